@@ -1,0 +1,62 @@
+//! What a method is told once, before the first row.
+
+use crate::error::ConfigError;
+
+/// Size of a row and range of the search, for every method.
+///
+/// # Examples
+/// ```
+/// use haarline::{Config, ConfigError};
+/// let config = Config { num_disparities: 48, ..Config::for_width(320) };
+/// assert_eq!(config.check(), Ok(()));
+/// assert_eq!(Config { num_disparities: 0, ..config }.check(), Err(ConfigError::NumDisparities));
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Config {
+    /// Pixels in a row, [`Config::MIN_WIDTH`]`..=`[`Config::MAX_WIDTH`].
+    pub width: u16,
+    /// Least disparity searched, px, -128..=128.
+    pub min_disparity: i16,
+    /// How many whole disparities are searched from `min_disparity` on, `1..=256`, at most `width`.
+    pub num_disparities: u16,
+}
+
+impl Config {
+    /// Least width of a row, px.
+    pub const MIN_WIDTH: u16 = 32;
+    /// Greatest width of a row, px.
+    pub const MAX_WIDTH: u16 = 1280;
+    /// Greatest number of disparities.
+    pub const MAX_DISPARITIES: u16 = 256;
+    /// Greatest magnitude of the least disparity, px.
+    pub const MAX_MIN_DISPARITY: i16 = 128;
+
+    /// The default search for rows of `width` px: from 0, over a quarter of the width rounded up
+    /// to 16, at most 256.
+    #[must_use]
+    pub const fn for_width(width: u16) -> Self {
+        let quarter = width.div_ceil(4).next_multiple_of(16);
+        let num_disparities = if quarter > Self::MAX_DISPARITIES { Self::MAX_DISPARITIES } else { quarter };
+        Self { width, min_disparity: 0, num_disparities }
+    }
+
+    /// Checks every field.
+    ///
+    /// # Errors
+    /// Names the first field that is out of its range.
+    pub const fn check(&self) -> Result<(), ConfigError> {
+        if self.width < Self::MIN_WIDTH || self.width > Self::MAX_WIDTH {
+            return Err(ConfigError::Width);
+        }
+        if self.num_disparities == 0 || self.num_disparities > Self::MAX_DISPARITIES {
+            return Err(ConfigError::NumDisparities);
+        }
+        if self.num_disparities > self.width {
+            return Err(ConfigError::DisparitiesOverWidth);
+        }
+        if self.min_disparity < -Self::MAX_MIN_DISPARITY || self.min_disparity > Self::MAX_MIN_DISPARITY {
+            return Err(ConfigError::MinDisparity);
+        }
+        Ok(())
+    }
+}

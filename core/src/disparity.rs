@@ -1,0 +1,64 @@
+//! Disparity in fixed point, and the rows of it that a method delivers.
+
+/// Disparity `x_left - x_right` in 1/16 px, the format of OpenCV's StereoBM, or unknown.
+///
+/// Larger is nearer. 0 is a point at infinity for parallel cameras, negative values lie behind
+/// infinity (they occur with toed-in or uncalibrated cameras). *Unknown* is a value of its own and
+/// never compares equal to any of them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(transparent)]
+pub struct Disparity(i16);
+
+impl Disparity {
+    /// Fractional bits: one step is 1/16 px.
+    pub const FRAC_BITS: u32 = 4;
+
+    /// No measurement. Not zero: zero is far away.
+    pub const UNKNOWN: Self = Self(i16::MIN);
+
+    /// From raw 1/16 px steps; `i16::MIN` is [`Disparity::UNKNOWN`].
+    #[inline]
+    #[must_use]
+    pub const fn from_bits(bits: i16) -> Self {
+        Self(bits)
+    }
+
+    /// The raw value: 1/16 px steps, `i16::MIN` for unknown.
+    #[inline]
+    #[must_use]
+    pub const fn into_bits(self) -> i16 {
+        self.0
+    }
+
+    /// From whole pixels, within `-2047..=2047`.
+    #[inline]
+    #[must_use]
+    pub const fn from_px(px: i16) -> Self {
+        Self(px << Self::FRAC_BITS)
+    }
+
+    /// Whether there is a measurement.
+    #[inline]
+    #[must_use]
+    pub const fn is_known(self) -> bool {
+        self.0 != i16::MIN
+    }
+
+    /// The measurement in raw 1/16 px steps, if there is one.
+    #[inline]
+    #[must_use]
+    pub const fn known(self) -> Option<i16> {
+        if self.is_known() { Some(self.0) } else { None }
+    }
+}
+
+/// One row of the disparity map of the left view.
+#[derive(Debug, Clone, Copy)]
+pub struct DisparityRow<'a> {
+    /// Row of the image, from 0 at the top.
+    pub y: u32,
+    /// Disparity of each pixel of the left view, as many as the scanline has.
+    pub disparity: &'a [Disparity],
+    /// Confidence of each pixel, 0 (least) to 255; 0 where the disparity is unknown.
+    pub confidence: &'a [u8],
+}

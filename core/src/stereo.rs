@@ -1,0 +1,29 @@
+//! The one interface of all stereo methods: a row in, a row out.
+
+use crate::{Config, DisparityRow, RowError, ScanlinePair};
+
+/// A streaming stereo method.
+///
+/// Rows go in from the top of the frame, by [`push`](Self::push) or, where the camera lost one, by
+/// [`miss`](Self::miss). Disparity rows come out through `sink`, in order and each exactly once, a
+/// bounded number of rows later; [`finish`](Self::finish) delivers the last ones. Nothing of one
+/// frame changes the next one's result.
+pub trait StereoMethod {
+    /// What the method was built with.
+    fn config(&self) -> &Config;
+
+    /// Begins a frame. Whatever was under way is dropped without delivering its rows.
+    fn start(&mut self);
+
+    /// Takes the next row and delivers the rows that are ready.
+    ///
+    /// # Errors
+    /// If a view has not the configured width. The row does not count then.
+    fn push(&mut self, pair: ScanlinePair<'_>, sink: &mut dyn FnMut(DisparityRow<'_>)) -> Result<(), RowError>;
+
+    /// Tells that the next row was lost. Its disparity row comes out unknown.
+    fn miss(&mut self, sink: &mut dyn FnMut(DisparityRow<'_>));
+
+    /// Ends the frame: delivers what is still inside, and begins the next one.
+    fn finish(&mut self, sink: &mut dyn FnMut(DisparityRow<'_>));
+}

@@ -1,0 +1,2 @@
+//! The `haarline` command.
+fn main() {}
