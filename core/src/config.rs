@@ -59,4 +59,10 @@ impl Config {
         }
         Ok(())
     }
+
+    /// Whether a whole disparity lies within the search range.
+    pub(crate) fn contains(&self, disparity: i32) -> bool {
+        let from = i32::from(self.min_disparity);
+        (from..from + i32::from(self.num_disparities)).contains(&disparity)
+    }
 }

@@ -2,15 +2,32 @@
 #![no_std]
 
 pub mod config;
+pub mod contour;
 pub mod disparity;
 pub mod error;
+pub mod extremum;
+pub mod haar;
+pub mod lite;
 pub mod rig;
 pub mod scanline;
 pub mod stereo;
 
+mod block;
+mod boundary;
+mod confidence;
+mod consistency;
+mod cost;
+mod greedy;
+mod noise;
+mod ring;
+mod seed;
+mod texture;
+mod view;
+
 pub use config::Config;
 pub use disparity::{Disparity, DisparityRow};
 pub use error::{ConfigError, RowError};
+pub use lite::{Lite, blocks_for};
 pub use rig::{Depth, Rig};
 pub use scanline::ScanlinePair;
 pub use stereo::StereoMethod;

@@ -1,0 +1,179 @@
+//! Blocks: 4 x 4 pixels that share a disparity, and the rows of them that are kept.
+
+use crate::confidence::Merit;
+
+/// Columns and rows of a block.
+pub(crate) const SIZE: usize = 4;
+/// Disparities of neighbours that differ by more than this, px, are a jump between surfaces.
+pub(crate) const JUMP: i32 = 1;
+
+/// Where a 2x2 quarter of a block takes its disparity from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Source {
+    /// Its own block.
+    Own,
+    /// The block beside it: left of the left quarters, right of the right ones.
+    Beside,
+    /// The block above, for the upper quarters.
+    Above,
+}
+
+/// What is known of a block whose disparity was found.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Block {
+    /// Whole disparity, px.
+    pub(crate) disparity: i16,
+    /// What the extremum lies after it, 1/16 px.
+    pub(crate) fraction: i8,
+    /// How badly the match fits, percent (see [`crate::texture::mismatch`]).
+    pub(crate) mismatch: u8,
+    /// SAD of the match.
+    pub(crate) cost: u16,
+    /// How far the match stands out.
+    pub(crate) merit: Merit,
+    /// The confidence it is answered with.
+    pub(crate) confidence: u8,
+    /// What of it is within the noise.
+    pub(crate) floor: Floor,
+    /// Where the quarters take their disparity from.
+    pub(crate) sources: Sources,
+}
+
+/// The parts of a block whose features are no stronger than noise.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(crate) struct Floor(u8);
+
+impl Floor {
+    const WHOLE: u8 = 1 << 4;
+    const BLANK: u8 = 1 << 5;
+
+    /// Bits 0 to 3 of `quarters`, upper left first, are set for the quarters at the floor.
+    pub(crate) const fn new(quarters: u8, whole: bool) -> Self {
+        Self(quarters | if whole { Self::WHOLE } else { 0 })
+    }
+
+    /// Whether a quarter is within the noise.
+    pub(crate) const fn has_quarter(self, quarter: usize) -> bool {
+        self.0 >> quarter & 1 == 1
+    }
+
+    /// Whether the block's whole window is within the noise.
+    pub(crate) const fn has_whole(self) -> bool {
+        self.0 & Self::WHOLE != 0
+    }
+
+    /// Verdict of the texture test; provisional until the row below is known.
+    pub(crate) const fn is_blank(self) -> bool {
+        self.0 & Self::BLANK != 0
+    }
+
+    pub(crate) const fn set_blank(&mut self, blank: bool) {
+        self.0 = self.0 & !Self::BLANK | if blank { Self::BLANK } else { 0 };
+    }
+}
+
+/// The sources of a block's quarters, upper left first, two bits each.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(crate) struct Sources(u8);
+
+impl Sources {
+    pub(crate) const fn of(self, quarter: usize) -> Source {
+        match self.0 >> (2 * quarter) & 3 {
+            1 => Source::Beside,
+            2 => Source::Above,
+            _ => Source::Own,
+        }
+    }
+
+    pub(crate) const fn set(&mut self, quarter: usize, source: Source) {
+        let code = match source {
+            Source::Own => 0,
+            Source::Beside => 1,
+            Source::Above => 2,
+        };
+        self.0 = self.0 & !(3 << (2 * quarter)) | code << (2 * quarter);
+    }
+}
+
+impl Block {
+    /// Disparity of the match, px.
+    pub(crate) fn px(&self) -> i32 {
+        i32::from(self.disparity)
+    }
+
+    /// Whether the surfaces of the two differ.
+    pub(crate) fn jumps_to(&self, other: &Self) -> bool {
+        (self.px() - other.px()).abs() > JUMP
+    }
+}
+
+/// A row of blocks; `None` where nothing is known.
+pub(crate) type BlockRow<const BLOCKS: usize> = [Option<Block>; BLOCKS];
+
+/// The block row that is answered next, with the ones above and below it.
+#[derive(Debug, Clone)]
+pub(crate) struct BlockRows<const BLOCKS: usize> {
+    rows: [BlockRow<BLOCKS>; 3],
+    started: u32,
+}
+
+/// Three block rows in a column, borrowed.
+pub(crate) struct Neighbourhood<'a> {
+    pub(crate) above: Option<&'a [Option<Block>]>,
+    pub(crate) row: &'a mut [Option<Block>],
+    pub(crate) below: Option<&'a [Option<Block>]>,
+}
+
+impl<const BLOCKS: usize> BlockRows<BLOCKS> {
+    pub(crate) const fn new() -> Self {
+        Self { rows: [[None; BLOCKS]; 3], started: 0 }
+    }
+
+    pub(crate) fn clear(&mut self) {
+        self.started = 0;
+    }
+
+    /// Block rows begun in this frame.
+    pub(crate) const fn len(&self) -> u32 {
+        self.started
+    }
+
+    /// Begins a row of `count` blocks. Returns it, empty, and the one above it.
+    pub(crate) fn begin(&mut self, count: usize) -> (&mut [Option<Block>], Option<&[Option<Block>]>) {
+        self.rows.rotate_left(1);
+        let [_, above, row] = &mut self.rows;
+        row.fill(None);
+        let above = above.get(..count).filter(|_| self.started > 0);
+        self.started += 1;
+        (row.get_mut(..count).unwrap_or(&mut []), above)
+    }
+
+    /// The row of `count` blocks that can be answered: the last but one, or at the end of the frame
+    /// the last one.
+    pub(crate) fn neighbourhood(&mut self, count: usize, at_end: bool) -> Option<Neighbourhood<'_>> {
+        let [first, second, third] = &mut self.rows;
+        let (above, row, below, least) =
+            if at_end { (second, third, None, 1) } else { (first, second, Some(third), 2) };
+        if self.started < least {
+            return None;
+        }
+        Some(Neighbourhood {
+            above: above.get(..count).filter(|_| self.started > least),
+            row: row.get_mut(..count)?,
+            below: below.and_then(|row| row.get(..count)),
+        })
+    }
+}
+
+impl Neighbourhood<'_> {
+    /// The blocks left, right, above and below of a block.
+    pub(crate) fn around(&self, block: usize) -> [Option<&Block>; 4] {
+        let beside = |index: Option<usize>| self.row.get(index?)?.as_ref();
+        [
+            beside(block.checked_sub(1)),
+            beside(block.checked_add(1)),
+            self.above.and_then(|blocks| blocks.get(block)?.as_ref()),
+            self.below.and_then(|blocks| blocks.get(block)?.as_ref()),
+        ]
+    }
+}
