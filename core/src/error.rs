@@ -13,6 +13,11 @@ pub enum ConfigError {
         /// Greatest width this instance can hold, px.
         max_width: u16,
     },
+    /// `num_disparities` is more than the method was built for.
+    DisparityCapacity {
+        /// Greatest number of disparities this instance can search.
+        max_disparities: u16,
+    },
     /// `num_disparities` must be 1 to 256.
     NumDisparities,
     /// `num_disparities` must not exceed `width`.
@@ -26,6 +31,9 @@ impl fmt::Display for ConfigError {
         match self {
             Self::Width => f.write_str("the width must be 32 to 1280 px"),
             Self::Capacity { max_width } => write!(f, "the width is over this instance's capacity of {max_width} px"),
+            Self::DisparityCapacity { max_disparities } => {
+                write!(f, "the number of disparities is over this instance's capacity of {max_disparities}")
+            }
             Self::NumDisparities => f.write_str("the number of disparities must be 1 to 256"),
             Self::DisparitiesOverWidth => f.write_str("the number of disparities must not exceed the width"),
             Self::MinDisparity => f.write_str("the least disparity must be -128 to 128 px"),
