@@ -17,6 +17,7 @@ mod boundary;
 mod confidence;
 mod consistency;
 mod cost;
+mod exposure;
 mod greedy;
 mod noise;
 mod ring;

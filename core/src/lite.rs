@@ -3,6 +3,7 @@
 use crate::block::{BlockRows, SIZE};
 use crate::boundary::choose_sources;
 use crate::consistency::answer;
+use crate::exposure::Exposure;
 use crate::greedy::{Greedy, ROWS};
 use crate::noise::Noise;
 use crate::ring::MARGIN;
@@ -58,6 +59,7 @@ pub struct Lite<const BLOCKS: usize> {
     config: Config,
     left: View<ROWS, BLOCKS>,
     right: View<ROWS, BLOCKS>,
+    exposure: Exposure,
     noise: Noise,
     seeds: Seeds<BLOCKS>,
     blocks: BlockRows<BLOCKS>,
@@ -87,6 +89,7 @@ impl<const BLOCKS: usize> Lite<BLOCKS> {
             config,
             left: View::new(),
             right: View::new(),
+            exposure: Exposure::new(),
             noise: Noise::default(),
             seeds: Seeds::new(),
             blocks: BlockRows::new(),
@@ -101,8 +104,9 @@ impl<const BLOCKS: usize> Lite<BLOCKS> {
         let width = usize::from(self.config.width);
         let newest = self.left.raw.len() - 1;
         if newest >= SMOOTH_LAG {
-            self.left.smooth_row(self.noise.level, width);
-            self.right.smooth_row(self.noise.level, width);
+            let gain = self.exposure.gain();
+            self.left.smooth_row(self.noise.level, gain, width);
+            self.right.smooth_row(self.noise.level, gain, width);
             if self.left.smooth.len().is_multiple_of(4) {
                 self.find_contours(width);
             }
@@ -167,6 +171,7 @@ impl<const BLOCKS: usize> StereoMethod for Lite<BLOCKS> {
     fn start(&mut self) {
         self.left.clear();
         self.right.clear();
+        self.exposure = Exposure::new();
         self.noise = Noise::default();
         self.blocks.clear();
         (self.rows, self.answered, self.missing) = (0, 0, 0);
@@ -178,7 +183,9 @@ impl<const BLOCKS: usize> StereoMethod for Lite<BLOCKS> {
         self.right.raw.push_pixels(pair.right);
         self.left.measure_noise(pair.left.len());
         self.right.measure_noise(pair.right.len());
-        self.noise = Noise::of(&self.left.noise, &self.right.noise);
+        self.exposure.add(pair.left);
+        self.exposure.add(pair.right);
+        self.noise = Noise::of(&self.left.noise, &self.right.noise, self.exposure.gain());
         self.missing &= !(1 << (self.rows % 32));
         self.rows += 1;
         self.advance(sink);

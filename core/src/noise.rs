@@ -1,5 +1,6 @@
 //! How noisy the frame is, judged from the rows that came so far.
 
+use crate::exposure::Gain;
 use crate::haar::difference_121;
 use crate::ring::MARGIN;
 
@@ -74,7 +75,7 @@ impl NoiseHistogram {
 /// What the front end and the texture test want to know of the noise.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(crate) struct Noise {
-    /// 10th percentile of the less noisy view, 1/16 grey level.
+    /// 10th percentile of the less noisy view after the gain, 1/16 grey level.
     floor: u16,
     /// How strongly to smooth, 0 to 3.
     pub(crate) level: SmoothingLevel,
@@ -95,9 +96,9 @@ pub(crate) enum SmoothingLevel {
 }
 
 impl Noise {
-    pub(crate) fn of(left: &NoiseHistogram, right: &NoiseHistogram) -> Self {
+    pub(crate) fn of(left: &NoiseHistogram, right: &NoiseHistogram, gain: Gain) -> Self {
         // The lower view decides: texture only ever adds to the estimate.
-        let least = |percent| left.percentile(percent).min(right.percentile(percent));
+        let least = |percent| gain.apply(left.percentile(percent).min(right.percentile(percent)));
         // sigma 2.5, 5 and 15 grey levels at the 30th percentile
         let level = match least(30) {
             0..92 => SmoothingLevel::Off,
@@ -131,7 +132,7 @@ mod tests {
     fn a_flat_view_has_no_noise() {
         let mut histogram = NoiseHistogram::new();
         histogram.add(&[90; 72], &[90; 72], &[90; 72], 64);
-        let noise = Noise::of(&histogram, &histogram);
+        let noise = Noise::of(&histogram, &histogram, Gain::default());
         assert_eq!(noise, Noise { floor: 0, level: SmoothingLevel::Off });
     }
 

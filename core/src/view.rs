@@ -1,5 +1,6 @@
 //! One camera's view: raw rows in, smoothed rows and feature rows out.
 
+use crate::exposure::Gain;
 use crate::haar::{pair_sum, sum_121, sum_12221};
 use crate::noise::{NoiseHistogram, SmoothingLevel};
 use crate::ring::{RowRing, replicate_borders};
@@ -42,14 +43,14 @@ impl<const FEATURE_ROWS: usize, const BLOCKS: usize> View<FEATURE_ROWS, BLOCKS> 
     }
 
     /// Makes the next smoothed row, two rows behind the newest raw one.
-    pub(crate) fn smooth_row(&mut self, level: SmoothingLevel, width: usize) {
+    pub(crate) fn smooth_row(&mut self, level: SmoothingLevel, gain: Gain, width: usize) {
         let rows = self.raw.window(i64::from(self.smooth.len()) - 2);
         let out = self.smooth.push();
         match level {
-            SmoothingLevel::Off => out.copy_from_slice(rows[2]),
-            SmoothingLevel::Light => smooth_light([rows[1], rows[2], rows[3]], out),
-            SmoothingLevel::Medium => smooth_wide::<BLOCKS>(rows, out, false),
-            SmoothingLevel::Strong => smooth_wide::<BLOCKS>(rows, out, true),
+            SmoothingLevel::Off => copy(rows[2], gain, out),
+            SmoothingLevel::Light => smooth_light([rows[1], rows[2], rows[3]], gain, out),
+            SmoothingLevel::Medium => smooth_wide::<BLOCKS>(rows, gain, out, false),
+            SmoothingLevel::Strong => smooth_wide::<BLOCKS>(rows, gain, out, true),
         }
         replicate_borders(out, width);
     }
@@ -68,12 +69,19 @@ impl<const FEATURE_ROWS: usize, const BLOCKS: usize> View<FEATURE_ROWS, BLOCKS> 
     }
 }
 
+/// The row as it came.
+fn copy(row: &[u8], gain: Gain, out: &mut [u8]) {
+    for (&pixel, out) in row.iter().zip(out) {
+        *out = gain.scale(u16::from(pixel), 0);
+    }
+}
+
 /// `[1 2 1]` down and across.
-fn smooth_light(rows: [&[u8]; 3], out: &mut [u8]) {
+fn smooth_light(rows: [&[u8]; 3], gain: Gain, out: &mut [u8]) {
     let columns = rows[0].windows(3).zip(rows[1].windows(3)).zip(rows[2].windows(3));
     for (((a, b), c), out) in columns.zip(out.iter_mut().skip(1)) {
         let [l, m, r] = [0, 1, 2].map(|x| sum_121(a[x], b[x], c[x]));
-        *out = rounded::<4>(pair_sum(pair_sum(l, m), pair_sum(m, r)));
+        *out = gain.scale(pair_sum(pair_sum(l, m), pair_sum(m, r)), 4);
     }
 }
 
@@ -81,7 +89,7 @@ fn smooth_light(rows: [&[u8]; 3], out: &mut [u8]) {
 ///
 /// Across it is the cascade of pair sums at distances 1, 1, 2 (and 4): the Haar scaling function of
 /// the next scale, undecimated, made symmetric by one more pair sum.
-fn smooth_wide<const BLOCKS: usize>(rows: [&[u8]; 5], out: &mut [u8], wider: bool) {
+fn smooth_wide<const BLOCKS: usize>(rows: [&[u8]; 5], gain: Gain, out: &mut [u8], wider: bool) {
     let mut line = [[0u16; 4]; BLOCKS];
     let line = line.as_flattened_mut();
     let [a, b, c, d, e] = rows;
@@ -91,15 +99,14 @@ fn smooth_wide<const BLOCKS: usize>(rows: [&[u8]; 5], out: &mut [u8], wider: boo
     add_shifted(line, 1);
     add_shifted(line, 1);
     add_shifted(line, 2);
-    if wider {
+    let (reach, shift) = if wider {
         add_shifted(line, 4);
-        for (out, &sum) in out.iter_mut().skip(4).zip(line.iter()) {
-            *out = rounded::<7>(sum);
-        }
+        (4, 7)
     } else {
-        for (out, &sum) in out.iter_mut().skip(2).zip(line.iter()) {
-            *out = rounded::<6>(sum);
-        }
+        (2, 6)
+    };
+    for (out, &sum) in out.iter_mut().skip(reach).zip(line.iter()) {
+        *out = gain.scale(sum, shift);
     }
 }
 
@@ -108,11 +115,6 @@ fn add_shifted(line: &mut [u16], distance: usize) {
     for x in 0..line.len().saturating_sub(distance) {
         line[x] = pair_sum(line[x], line[x + distance]);
     }
-}
-
-/// `sum / 2^SHIFT`, rounded; the sum's weights add up to `2^SHIFT`, so the result is a grey level.
-fn rounded<const SHIFT: u32>(sum: u16) -> u8 {
-    u8::try_from((u32::from(sum) + (1 << (SHIFT - 1))) >> SHIFT).unwrap_or(u8::MAX)
 }
 
 /// `[1 2 1]` down, `[-1 0 1]` across.
@@ -160,7 +162,7 @@ mod tests {
             let row: Vec<u8> = (0..WIDTH).map(|x| pixels(x, y)).collect();
             view.raw.push_pixels(&row);
             if y >= 2 {
-                view.smooth_row(level, WIDTH);
+                view.smooth_row(level, Gain::default(), WIDTH);
                 out.push(view.smooth.row(i64::from(view.smooth.len()) - 1)[MARGIN..][..WIDTH].to_vec());
             }
         }
@@ -190,7 +192,7 @@ mod tests {
             let row: Vec<u8> = (0..WIDTH).map(|x| if x >= 20 { 3 } else { 0 }).collect();
             view.raw.push_pixels(&row);
             if y >= 2 {
-                view.smooth_row(SmoothingLevel::Off, WIDTH);
+                view.smooth_row(SmoothingLevel::Off, Gain::default(), WIDTH);
             }
             if y >= 3 {
                 view.feature_row(WIDTH);

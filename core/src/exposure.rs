@@ -1,0 +1,94 @@
+//! How dark the frame is, judged from the rows that came so far: what gain the front end gives it.
+
+/// One pixel in so many is looked at.
+const STRIDE: usize = 4;
+/// One pixel in so many may saturate.
+const BRIGHT_SHARE: u32 = 50;
+
+/// Counts of bright pixels in both views.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Exposure {
+    total: u32,
+    over_quarter: u32,
+    over_half: u32,
+}
+
+/// Gain of the front end as a power of two: grey levels are shifted left by 0, 1 or 2.
+///
+/// In low light the sensor uses a quarter or half of its range. All thresholds are made for the whole
+/// range, and smoothing leaves fractions of a grey level that a gain keeps.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(crate) struct Gain(u32);
+
+impl Exposure {
+    pub(crate) const fn new() -> Self {
+        Self { total: 0, over_quarter: 0, over_half: 0 }
+    }
+
+    pub(crate) fn add(&mut self, pixels: &[u8]) {
+        for &pixel in pixels.iter().step_by(STRIDE) {
+            self.total += 1;
+            self.over_quarter += u32::from(pixel >= 64);
+            self.over_half += u32::from(pixel >= 128);
+        }
+        // Halved long before 32 bits are full, whatever the frame's height.
+        if self.total >= 1 << 24 {
+            (self.total, self.over_quarter, self.over_half) =
+                (self.total / 2, self.over_quarter / 2, self.over_half / 2);
+        }
+    }
+
+    /// The greatest gain that saturates no more than 2 percent of the pixels.
+    pub(crate) const fn gain(&self) -> Gain {
+        if self.over_quarter * BRIGHT_SHARE < self.total {
+            Gain(2)
+        } else if self.over_half * BRIGHT_SHARE < self.total {
+            Gain(1)
+        } else {
+            Gain(0)
+        }
+    }
+}
+
+impl Gain {
+    /// `sum / 2^shift` with the gain, rounded and saturated; `shift` is 0, or more than any gain.
+    #[inline]
+    pub(crate) fn scale(self, sum: u16, shift: u32) -> u8 {
+        let sum = u32::from(sum) << self.0;
+        let half = (1 << shift) >> 1;
+        u8::try_from((sum + half) >> shift).unwrap_or(u8::MAX)
+    }
+
+    /// A measure of grey levels as it is after the gain.
+    pub(crate) const fn apply(self, grey_levels: u32) -> u32 {
+        grey_levels << self.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn gain_of(pixels: &[u8]) -> Gain {
+        let mut exposure = Exposure::new();
+        exposure.add(pixels);
+        exposure.gain()
+    }
+
+    #[test]
+    fn a_dark_frame_gets_what_it_has_room_for() {
+        assert_eq!(gain_of(&[63; 400]), Gain(2));
+        assert_eq!(gain_of(&[64; 400]), Gain(1));
+        assert_eq!(gain_of(&[128; 400]), Gain(0));
+        assert_eq!(Exposure::new().gain(), Gain(0));
+    }
+
+    #[test]
+    fn scaling_rounds_and_saturates() {
+        assert_eq!(Gain(0).scale(200, 0), 200);
+        assert_eq!(Gain(2).scale(63, 0), 252);
+        assert_eq!(Gain(2).scale(64, 0), 255);
+        assert_eq!(Gain(1).scale(16 * 100 + 4, 4), 201);
+        assert_eq!(Gain(2).scale(255 * 128, 7), 255);
+    }
+}
