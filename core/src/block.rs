@@ -112,12 +112,19 @@ pub(crate) type BlockRow<const BLOCKS: usize> = [Option<Block>; BLOCKS];
 
 /// The block row that is answered next, with the ones above and below it.
 #[derive(Debug, Clone)]
-pub(crate) struct BlockRows<const BLOCKS: usize> {
+pub struct BlockRows<const BLOCKS: usize> {
     rows: [BlockRow<BLOCKS>; 3],
     started: u32,
 }
 
-/// Three block rows in a column, borrowed.
+/// The row that was just begun, with those above it.
+pub(crate) struct Begun<'a> {
+    pub(crate) row: &'a mut [Option<Block>],
+    pub(crate) above: Option<&'a mut [Option<Block>]>,
+    pub(crate) second_above: Option<&'a [Option<Block>]>,
+}
+
+/// The row that is answered, with those above and below it.
 pub(crate) struct Neighbourhood<'a> {
     pub(crate) above: Option<&'a [Option<Block>]>,
     pub(crate) row: &'a mut [Option<Block>],
@@ -138,14 +145,18 @@ impl<const BLOCKS: usize> BlockRows<BLOCKS> {
         self.started
     }
 
-    /// Begins a row of `count` blocks. Returns it, empty, and the one above it.
-    pub(crate) fn begin(&mut self, count: usize) -> (&mut [Option<Block>], Option<&[Option<Block>]>) {
+    /// Begins a row of `count` blocks, empty.
+    pub(crate) fn begin(&mut self, count: usize) -> Begun<'_> {
         self.rows.rotate_left(1);
-        let [_, above, row] = &mut self.rows;
-        row.fill(None);
-        let above = above.get(..count).filter(|_| self.started > 0);
+        let started = self.started;
         self.started += 1;
-        (row.get_mut(..count).unwrap_or(&mut []), above)
+        let [second_above, above, row] = &mut self.rows;
+        row.fill(None);
+        Begun {
+            row: row.get_mut(..count).unwrap_or(&mut []),
+            above: above.get_mut(..count).filter(|_| started > 0),
+            second_above: second_above.get(..count).filter(|_| started > 1),
+        }
     }
 
     /// The row of `count` blocks that can be answered: the last but one, or at the end of the frame

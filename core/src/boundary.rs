@@ -1,8 +1,7 @@
 //! The boundary choice: at a jump each 2x2 quarter of a block decides which surface it belongs to.
 
 use crate::block::{Block, SIZE, Source};
-use crate::cost::sad;
-use crate::greedy::ROWS;
+use crate::cost::{ROWS, sad};
 use crate::ring::MARGIN;
 
 /// Side of the window around a quarter: one pixel more all around.

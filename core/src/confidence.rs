@@ -13,9 +13,9 @@ impl Merit {
     /// What each neighbour on another surface takes away: 2 grey levels a pixel.
     const JUMP: i32 = 2 * Self::PIXELS;
 
-    /// Merit of a match of `cost` whose best rival, more than a step away, costs `rival`.
-    pub(crate) fn new(cost: i32, rival: Option<i32>) -> Self {
-        let margin = rival.map_or(Self::MOST_MARGIN, |rival| (rival - cost).min(Self::MOST_MARGIN));
+    /// Merit of a match of `cost`, `margin` below its best rival more than a step away.
+    pub(crate) fn new(cost: i32, margin: Option<i32>) -> Self {
+        let margin = margin.unwrap_or(Self::MOST_MARGIN).min(Self::MOST_MARGIN);
         Self(i16::try_from(margin - cost).unwrap_or(i16::MIN))
     }
 
@@ -41,9 +41,9 @@ mod tests {
         let of = |merit: Merit, jumps| merit.confidence(merit, jumps);
         let perfect = Merit::new(0, None);
         assert_eq!(of(perfect, 0), 255);
-        assert_eq!(of(Merit::new(2976, Some(0)), 4), 1);
-        assert!(of(Merit::new(50, Some(200)), 0) > of(Merit::new(50, Some(100)), 0));
-        assert!(of(Merit::new(50, Some(250)), 0) > of(Merit::new(80, Some(280)), 0));
+        assert_eq!(of(Merit::new(2976, Some(-2976)), 4), 1);
+        assert!(of(Merit::new(50, Some(150)), 0) > of(Merit::new(50, Some(50)), 0));
+        assert!(of(Merit::new(50, Some(200)), 0) > of(Merit::new(80, Some(200)), 0));
         assert!(of(perfect, 0) > of(perfect, 1));
     }
 }

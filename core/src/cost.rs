@@ -1,6 +1,14 @@
 //! What a disparity costs: sums of absolute differences over windows of features.
 
+use crate::Config;
+use crate::block::{Block, Floor, SIZE};
+use crate::count;
+use crate::ring::MARGIN;
+use crate::texture::{Texture, mismatch};
 use crate::view::CLIP;
+
+/// Rows of a block's window, from one row above the block.
+pub(crate) const ROWS: usize = 6;
 
 /// Sum of absolute differences of two windows, `WIDTH` columns of each row; `None` if one overhangs.
 ///
@@ -19,16 +27,83 @@ pub(crate) fn sad<const WIDTH: usize>(
         let right = right.get(right_column..)?.first_chunk::<WIDTH>()?;
         sum += left.iter().zip(right).map(|(&a, &b)| i32::from(a.abs_diff(b))).sum::<i32>();
     }
+    count::sad_words(left.len() * WIDTH.div_ceil(4));
     Some(sum)
 }
 
 /// Sum of the features' magnitudes in a window: its texture.
 #[inline]
-pub(crate) fn energy<const WIDTH: usize>(rows: &[&[u8]], column: usize) -> Option<i32> {
+fn energy<const WIDTH: usize>(rows: &[&[u8]], column: usize) -> Option<i32> {
     let mut sum = 0;
     for row in rows {
         let row = row.get(column..)?.first_chunk::<WIDTH>()?;
         sum += row.iter().map(|&a| (i32::from(a) - CLIP).abs()).sum::<i32>();
     }
     Some(sum)
+}
+
+/// The windows of one block row, `WIDTH` columns around each block.
+pub(crate) struct BlockCost<'a, const WIDTH: usize> {
+    pub(crate) config: &'a Config,
+    /// Feature rows of both views from one row above the block row on.
+    pub(crate) left: [&'a [u8]; ROWS],
+    pub(crate) right: [&'a [u8]; ROWS],
+}
+
+impl<const WIDTH: usize> BlockCost<'_, WIDTH> {
+    /// Pixels of the window.
+    #[expect(clippy::cast_possible_truncation, reason = "at most 8 x 6")]
+    pub(crate) const PIXELS: u8 = (WIDTH * ROWS) as u8;
+
+    /// What a match costs, `0..=3072`: the SAD of the windows, and a quarter of a grey level for each
+    /// px farther than the nearest disparity, so that the nearer of two equal matches wins: a vehicle
+    /// had better brake. `None` outside the search range or where a window leaves the view.
+    pub(crate) fn of(&self, index: usize, disparity: i32) -> Option<i32> {
+        if !self.config.contains(disparity) {
+            return None;
+        }
+        let (left_column, right_column) = columns::<WIDTH>(index, disparity)?;
+        let last = SIZE * usize::from(self.config.width).div_ceil(SIZE) + 2 * MARGIN - WIDTH;
+        if right_column > last {
+            return None;
+        }
+        let sad = sad::<WIDTH>(&self.left, &self.right, left_column, right_column)?;
+        Some(sad + self.farness(disparity))
+    }
+
+    /// The block of a match: its cost and its texture.
+    pub(crate) fn examine(&self, texture: Texture, index: usize, disparity: i32, cost: i32) -> Option<Block> {
+        let (left_column, right_column) = columns::<WIDTH>(index, disparity)?;
+        let energies = [energy::<WIDTH>(&self.left, left_column)?, energy::<WIDTH>(&self.right, right_column)?];
+        let at_floor = texture.is_at_floor(i32::midpoint(energies[0], energies[1]), u32::from(Self::PIXELS));
+        let mismatch = mismatch(cost - self.farness(disparity), energies[0] + energies[1], i32::from(Self::PIXELS));
+        let mut quarters = 0;
+        for quarter in 0..4 {
+            // The quarter's first row within the window, and its first column in the view.
+            let (row, column) = (1 + 2 * (quarter / 2), SIZE * index + MARGIN + 2 * (quarter % 2));
+            let energy = energy::<2>(self.left.get(row..row + 2)?, column)?;
+            quarters |= u8::from(texture.quarter_is_at_floor(energy)) << quarter;
+        }
+        let mut floor = Floor::new(quarters, at_floor);
+        // Until the blocks around it are known, it speaks for itself.
+        floor.set_blank(at_floor && texture.is_blank(u16::from(mismatch), 1));
+        Some(Block {
+            disparity: i16::try_from(disparity).ok()?,
+            cost: u16::try_from(cost).ok()?,
+            mismatch,
+            floor,
+            ..Block::default()
+        })
+    }
+
+    fn farness(&self, disparity: i32) -> i32 {
+        (i32::from(self.config.min_disparity) + i32::from(self.config.num_disparities) - 1 - disparity) / 4
+    }
+}
+
+/// First columns of the block's window in both views, margins counted.
+fn columns<const WIDTH: usize>(index: usize, disparity: i32) -> Option<(usize, usize)> {
+    let left = SIZE * index + MARGIN - (WIDTH - SIZE) / 2;
+    let right = i32::try_from(left).ok()? - disparity;
+    Some((left, usize::try_from(right).ok()?))
 }

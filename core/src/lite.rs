@@ -1,45 +1,25 @@
-//! The method `lite`: seeds, greedy blocks, left-right check.
+//! The method `lite`: seeds, greedy blocks.
 
-use crate::block::{BlockRows, SIZE};
+use crate::block::{Begun, Block, BlockRows, JUMP};
 use crate::boundary::choose_sources;
-use crate::consistency::answer;
-use crate::exposure::Exposure;
-use crate::greedy::{Greedy, ROWS};
-use crate::noise::Noise;
-use crate::ring::MARGIN;
-use crate::seed::Seeds;
-use crate::texture::Texture;
-use crate::view::{SMOOTH_LAG, View, sum_rows};
-use crate::{Config, ConfigError, DisparityRow, RowError, ScanlinePair, StereoMethod};
+use crate::confidence::Merit;
+use crate::cost::{BlockCost, ROWS};
+use crate::label::Labels;
+use crate::matcher::{Matcher, Stage};
+use crate::pipeline::Pipeline;
+use crate::search::{Bias, Decided, search_block};
 
-/// Half-support of the Haar wavelet that finds the contours, px.
-const HALF_SUPPORT: u8 = 2;
-/// Least response of a contour: 2 grey levels in 4 rows and 2 columns.
-const CONTOUR_THRESHOLD: i32 = 2 * 4 * 2;
-/// Rows of the image by which a feature row lags behind the camera.
-const FEATURE_LAG: u32 = SMOOTH_LAG + 1;
-
-/// Blocks that a row of `width` px needs, margins included: the capacity to build a method with.
-///
-/// # Examples
-/// ```
-/// use haarline::{Lite, blocks_for};
-/// type Qvga = Lite<{ blocks_for(320) }>;
-/// assert!(size_of::<Qvga>() <= 16 * 1024);
-/// ```
-#[must_use]
-pub const fn blocks_for(width: u16) -> usize {
-    (width as usize).div_ceil(SIZE) + 2 * MARGIN / SIZE
-}
+/// Columns of a block's window; two more than the block on either side.
+const WIDTH: usize = 8;
+/// Grey levels over a window of 48 pixels.
+const BIAS: Bias = Bias { near: 50, far: 200 };
+/// Most disparities that one block evaluates: 7 hypotheses, and 4 by the walk.
+const LABELS: usize = 11;
 
 /// Stereo by seeds and greedy blocks: the cheapest method that holds up under noise.
 ///
 /// Each 4x4 block tries the disparities of the nearest contour seeds and of the blocks decided before
-/// it, pays for leaving its neighbours', and walks to the minimum. Rows come out at most
-/// [`Lite::LATENCY`] rows after the camera's.
-///
-/// `BLOCKS` is the capacity: [`blocks_for`] the widest row. Of the same rows every capacity makes the
-/// same answer.
+/// it, pays for leaving its neighbours', and walks to the minimum.
 ///
 /// # Examples
 /// ```
@@ -54,163 +34,45 @@ pub const fn blocks_for(width: u16) -> usize {
 /// assert_eq!(rows, 240);
 /// # Ok::<(), haarline::ConfigError>(())
 /// ```
-#[derive(Debug, Clone)]
-pub struct Lite<const BLOCKS: usize> {
-    config: Config,
-    left: View<ROWS, BLOCKS>,
-    right: View<ROWS, BLOCKS>,
-    exposure: Exposure,
-    noise: Noise,
-    seeds: Seeds<BLOCKS>,
-    blocks: BlockRows<BLOCKS>,
-    /// Rows of this frame pushed or missed so far.
-    rows: u32,
-    /// Rows of this frame delivered so far.
-    answered: u32,
-    /// Bit `y % 32` is set where row `y` was missing.
-    missing: u32,
-}
+pub type Lite<const BLOCKS: usize> = Pipeline<Greedy, ROWS, BLOCKS>;
 
-impl<const BLOCKS: usize> Lite<BLOCKS> {
-    /// Rows that come in after a row before it goes out, at most.
-    pub const LATENCY: u32 = 2 * 4 + FEATURE_LAG;
+/// The matcher of [`Lite`]: every block for itself, no state beyond the blocks above.
+#[derive(Debug, Clone, Default)]
+pub struct Greedy;
 
-    /// Builds the method for rows of `config.width` px.
-    ///
-    /// # Errors
-    /// If the configuration is invalid or the width over the capacity.
-    pub fn new(config: Config) -> Result<Self, ConfigError> {
-        config.check()?;
-        if blocks_for(config.width) > BLOCKS {
-            let max_width = u16::try_from(SIZE * BLOCKS.saturating_sub(2)).unwrap_or(u16::MAX);
-            return Err(ConfigError::Capacity { max_width });
+impl<const BLOCKS: usize> Matcher<ROWS, BLOCKS> for Greedy {
+    fn clear(&mut self) {}
+
+    fn decide(&mut self, stage: &Stage<'_, ROWS, BLOCKS>, blocks: &mut BlockRows<BLOCKS>) {
+        let (left, right) = stage.features(blocks.len());
+        let cost = BlockCost::<WIDTH> { config: stage.config, left, right };
+        let Begun { row, above, .. } = blocks.begin(stage.config.blocks());
+        let above = above.as_deref();
+        let above_at = |block: Option<usize>| above?.get(block?)?.as_ref().map(Block::px);
+        let mut decided = Decided::default();
+        for (index, block) in row.iter_mut().enumerate() {
+            decided.above = [Some(index), index.checked_sub(1), Some(index + 1)].map(above_at);
+            *block = greedy_block(stage, &cost, index, decided);
+            decided.left = block.as_ref().map(Block::px);
         }
-        Ok(Self {
-            config,
-            left: View::new(),
-            right: View::new(),
-            exposure: Exposure::new(),
-            noise: Noise::default(),
-            seeds: Seeds::new(),
-            blocks: BlockRows::new(),
-            rows: 0,
-            answered: 0,
-            missing: 0,
-        })
-    }
-
-    /// Goes as far as the newest row of both views allows.
-    fn advance(&mut self, sink: &mut dyn FnMut(DisparityRow<'_>)) {
-        let width = usize::from(self.config.width);
-        let newest = self.left.raw.len() - 1;
-        if newest >= SMOOTH_LAG {
-            let gain = self.exposure.gain();
-            self.left.smooth_row(self.noise.level, gain, width);
-            self.right.smooth_row(self.noise.level, gain, width);
-            if self.left.smooth.len().is_multiple_of(4) {
-                self.find_contours(width);
-            }
-        }
-        if newest >= FEATURE_LAG {
-            self.left.feature_row(width);
-            self.right.feature_row(width);
-            // One row below the block row's last one ends its window.
-            let features = self.left.features.len();
-            if features > 4 && features % 4 == 1 {
-                self.match_blocks();
-                self.answer(sink, false);
-            }
-        }
-    }
-
-    /// Contours of the block row whose four smoothed rows are the newest.
-    fn find_contours(&mut self, width: usize) {
-        let first = i64::from(self.left.smooth.len()) - 4;
-        let mut sums = [[0u16; 4]; BLOCKS];
-        let views = [(&self.left, &mut self.seeds.left), (&self.right, &mut self.seeds.right)];
-        for (view, contours) in views {
-            let sums = sums.as_flattened_mut();
-            sum_rows(view.smooth.window(first), sums);
-            // Columns beside the image complete the support at its border columns.
-            let beside = usize::from(HALF_SUPPORT);
-            let line = sums.get(MARGIN - beside..MARGIN + width + beside - 1).unwrap_or(&[]);
-            contours.find(line, -i32::from(HALF_SUPPORT), HALF_SUPPORT, CONTOUR_THRESHOLD);
-        }
-    }
-
-    /// Decides the next block row.
-    fn match_blocks(&mut self) {
-        let top = i64::from(self.blocks.len()) * 4;
-        let (left, right) = (self.left.features.window(top - 1), self.right.features.window(top - 1));
-        // The three rows in the middle of the block row, where its contours are.
-        self.seeds.find(&self.config, &left[2..5], &right[2..5]);
-        let texture = Texture::of(self.noise);
-        let greedy = Greedy { config: &self.config, texture, left, right, seeds: &self.seeds };
-        let (row, above) = self.blocks.begin(usize::from(self.config.width).div_ceil(SIZE));
-        greedy.fill(row, above);
         choose_sources(row, above, &left, &right);
     }
 
-    /// Delivers the rows of the last block row but one, or of the last one at the end of the frame.
-    fn answer(&mut self, sink: &mut dyn FnMut(DisparityRow<'_>), at_end: bool) {
-        let count = usize::from(self.config.width).div_ceil(SIZE);
-        let Some(blocks) = self.blocks.neighbourhood(count, at_end) else { return };
-        let rows = self.answered..(self.answered + 4).min(self.rows);
-        self.answered = rows.end;
-        let missing = self.missing;
-        let is_missing = |y: u32| missing >> (y % 32) & 1 == 1;
-        answer::<BLOCKS>(&self.config, Texture::of(self.noise), blocks, rows, is_missing, sink);
-    }
+    fn finish(&mut self, _: &Stage<'_, ROWS, BLOCKS>, _: &mut BlockRows<BLOCKS>) {}
 }
 
-impl<const BLOCKS: usize> StereoMethod for Lite<BLOCKS> {
-    fn config(&self) -> &Config {
-        &self.config
-    }
-
-    fn start(&mut self) {
-        self.left.clear();
-        self.right.clear();
-        self.exposure = Exposure::new();
-        self.noise = Noise::default();
-        self.blocks.clear();
-        (self.rows, self.answered, self.missing) = (0, 0, 0);
-    }
-
-    fn push(&mut self, pair: ScanlinePair<'_>, sink: &mut dyn FnMut(DisparityRow<'_>)) -> Result<(), RowError> {
-        pair.check(self.config.width)?;
-        self.left.raw.push_pixels(pair.left);
-        self.right.raw.push_pixels(pair.right);
-        self.left.measure_noise(pair.left.len());
-        self.right.measure_noise(pair.right.len());
-        self.exposure.add(pair.left);
-        self.exposure.add(pair.right);
-        self.noise = Noise::of(&self.left.noise, &self.right.noise, self.exposure.gain());
-        self.missing &= !(1 << (self.rows % 32));
-        self.rows += 1;
-        self.advance(sink);
-        Ok(())
-    }
-
-    fn miss(&mut self, sink: &mut dyn FnMut(DisparityRow<'_>)) {
-        self.left.raw.push_again();
-        self.right.raw.push_again();
-        self.missing |= 1 << (self.rows % 32);
-        self.rows += 1;
-        self.advance(sink);
-    }
-
-    fn finish(&mut self, sink: &mut dyn FnMut(DisparityRow<'_>)) {
-        // The last row stands in for those below the image until all block rows are decided.
-        let block_rows = self.rows.div_ceil(4);
-        while self.blocks.len() < block_rows {
-            self.left.raw.push_again();
-            self.right.raw.push_again();
-            self.advance(sink);
-        }
-        if self.answered < self.rows {
-            self.answer(sink, true);
-        }
-        self.start();
-    }
+fn greedy_block<const BLOCKS: usize>(
+    stage: &Stage<'_, ROWS, BLOCKS>,
+    cost: &BlockCost<'_, WIDTH>,
+    index: usize,
+    decided: Decided,
+) -> Option<Block> {
+    let mut labels = Labels::<LABELS>::new(stage.config.min_disparity);
+    let hypotheses = decided.hypotheses(stage.seeds, index, stage.parts.seeds);
+    let found = search_block(cost, index, hypotheses, decided, BIAS, stage.parts.extremum, &mut labels)?;
+    let mut block = cost.examine(stage.texture, index, found.at, found.cost)?;
+    block.fraction = i8::try_from(found.refine_subpixel()).unwrap_or(0);
+    let margin = labels.least_cost_beyond(found.at, JUMP).map(|rival| rival - found.cost);
+    block.merit = Merit::new(found.cost, margin);
+    Some(block)
 }

@@ -20,10 +20,17 @@ pub(crate) struct Texture {
 }
 
 impl Texture {
+    /// No block is blank.
+    pub(crate) const OFF: Self = Self { floor: 0, blank_mismatch: u8::MAX as u16 + 1 };
+
     pub(crate) fn of(noise: Noise) -> Self {
         // Independent noise gives 70 percent, a little less after the best of a few was picked.
         // Smoothed noise leaves real matches with little evidence of their own: be lenient there.
-        let blank_mismatch = if noise.level == SmoothingLevel::Off { 45 } else { 65 };
+        let blank_mismatch = match noise.level {
+            SmoothingLevel::Off => 45,
+            SmoothingLevel::Light | SmoothingLevel::Medium => 65,
+            SmoothingLevel::Strong => 70,
+        };
         Self { floor: noise.feature_floor(), blank_mismatch }
     }
 
@@ -43,14 +50,13 @@ impl Texture {
     }
 }
 
-/// How badly a match fits, percent: its SAD over the features' magnitudes in both windows.
+/// How badly a match fits, percent: its SAD over `energy`, the features' magnitudes in both windows.
 ///
 /// 0 is a perfect match, about 70 two patches of independent noise.
-pub(crate) fn mismatch(cost: i32, left_energy: i32, right_energy: i32, pixels: i32) -> u8 {
-    let energy = left_energy + right_energy;
+pub(crate) fn mismatch(sad: i32, energy: i32, pixels: i32) -> u8 {
     // Half a grey level in the mean is less than quantisation leaves.
     if energy < pixels {
         return NO_EVIDENCE;
     }
-    u8::try_from(cost * 100 / energy).unwrap_or(u8::MAX)
+    u8::try_from(sad * 100 / energy).unwrap_or(u8::MAX)
 }

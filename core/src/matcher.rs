@@ -1,0 +1,41 @@
+//! The seam between the shared pipeline and the methods. Its names are public and its module is not:
+//! nobody outside implements it.
+
+use crate::Config;
+use crate::block::BlockRows;
+use crate::noise::Noise;
+use crate::parts::Parts;
+use crate::seed::Seeds;
+use crate::texture::Texture;
+use crate::view::View;
+
+/// How a method decides the blocks; the pipeline does the rest.
+pub trait Matcher<const FEATURE_ROWS: usize, const BLOCKS: usize> {
+    /// Forgets the frame.
+    fn clear(&mut self);
+
+    /// Begins the next row of `blocks`, and makes the one above final.
+    fn decide(&mut self, stage: &Stage<'_, FEATURE_ROWS, BLOCKS>, blocks: &mut BlockRows<BLOCKS>);
+
+    /// Makes the last row final.
+    fn finish(&mut self, stage: &Stage<'_, FEATURE_ROWS, BLOCKS>, blocks: &mut BlockRows<BLOCKS>);
+}
+
+/// What a matcher sees when a block row is due.
+pub struct Stage<'a, const FEATURE_ROWS: usize, const BLOCKS: usize> {
+    pub(crate) config: &'a Config,
+    pub(crate) seeds: &'a Seeds<BLOCKS>,
+    pub(crate) noise: Noise,
+    pub(crate) texture: Texture,
+    pub(crate) parts: Parts,
+    pub(crate) left: &'a View<FEATURE_ROWS, BLOCKS>,
+    pub(crate) right: &'a View<FEATURE_ROWS, BLOCKS>,
+}
+
+impl<'a, const FEATURE_ROWS: usize, const BLOCKS: usize> Stage<'a, FEATURE_ROWS, BLOCKS> {
+    /// Feature rows of both views from one row above a block row on.
+    pub(crate) fn features<const N: usize>(&self, block_row: u32) -> ([&'a [u8]; N], [&'a [u8]; N]) {
+        let first = i64::from(block_row) * 4 - 1;
+        (self.left.features.window(first), self.right.features.window(first))
+    }
+}

@@ -1,0 +1,82 @@
+//! The search of one block: few hypotheses, the cheapest wins, a walk to the minimum.
+
+use crate::cost::BlockCost;
+use crate::extremum::{Minimum, descend};
+use crate::label::Labels;
+use crate::seed::Seeds;
+
+/// Steps of the walk from the best hypothesis.
+const STEPS: u8 = 1;
+
+/// What a hypothesis pays for leaving the disparity of the block left or above, in units of the cost.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Bias {
+    /// One step off.
+    pub(crate) near: i32,
+    /// More.
+    pub(crate) far: i32,
+}
+
+/// What the blocks decided before say, px: left, above, above left, above right.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Decided {
+    pub(crate) left: Option<i32>,
+    pub(crate) above: [Option<i32>; 3],
+}
+
+impl Decided {
+    /// What a disparity pays for leaving the neighbours'.
+    fn penalty(self, disparity: i32, bias: Bias) -> i32 {
+        let pay = |neighbour: Option<i32>| match neighbour.map(|other| (other - disparity).abs()) {
+            None | Some(0) => 0,
+            Some(1) => bias.near,
+            Some(_) => bias.far,
+        };
+        pay(self.left) + pay(self.above[0])
+    }
+
+    /// All disparities worth trying: of the nearest seeds, their mean, and the decided blocks'.
+    pub(crate) fn hypotheses<const BLOCKS: usize>(
+        self,
+        seeds: &Seeds<BLOCKS>,
+        index: usize,
+        use_seeds: bool,
+    ) -> impl Iterator<Item = i32> {
+        let (left, right) = if use_seeds { seeds.nearest(index) } else { (None, None) };
+        let mean = left.zip(right).map(|(a, b)| (a + b).div_euclid(2));
+        let [above, above_left, above_right] = self.above;
+        [left, right, mean, above, above_left, above_right, self.left].into_iter().flatten()
+    }
+}
+
+/// Finds the disparity of one block. Everything that was evaluated is left in `labels`.
+///
+/// The hypothesis of the least cost and bias wins; from there the extremum search with its shortest
+/// support walks at most one step, so that both its neighbours are known as well; without `walk` it
+/// stays.
+pub(crate) fn search_block<const WIDTH: usize, const N: usize>(
+    cost: &BlockCost<'_, WIDTH>,
+    index: usize,
+    hypotheses: impl Iterator<Item = i32>,
+    decided: Decided,
+    bias: Bias,
+    walk: bool,
+    labels: &mut Labels<N>,
+) -> Option<Minimum> {
+    let mut best: Option<(i32, i32, i32)> = None;
+    for disparity in hypotheses {
+        if labels.cost_of(disparity).is_some() {
+            continue;
+        }
+        let Some(plain) = labels.cost_or(disparity, || cost.of(index, disparity)) else { continue };
+        let biased = plain + decided.penalty(disparity, bias);
+        if best.is_none_or(|(least, ..)| biased < least) {
+            best = Some((biased, disparity, plain));
+        }
+    }
+    let (_, start, start_cost) = best?;
+    if !walk {
+        return Some(Minimum { at: start, cost: start_cost, before: None, after: None });
+    }
+    Some(descend(start, start_cost, STEPS, |d| labels.cost_or(d, || cost.of(index, d))))
+}
