@@ -27,9 +27,9 @@ impl Texture {
         // Independent noise gives 70 percent, a little less after the best of a few was picked.
         // Smoothed noise leaves real matches with little evidence of their own: be lenient there.
         let blank_mismatch = match noise.level {
-            SmoothingLevel::Off => 45,
-            SmoothingLevel::Light | SmoothingLevel::Medium => 65,
-            SmoothingLevel::Strong => 70,
+            SmoothingLevel::Off => 50,
+            SmoothingLevel::Light | SmoothingLevel::Medium => 72,
+            SmoothingLevel::Strong => 72,
         };
         Self { floor: noise.feature_floor(), blank_mismatch }
     }

@@ -1,1 +1,38 @@
-//! The host side of Haarline.
+//! The host side of Haarline: recorded frames through the same core as on the chip, then scores and
+//! pictures.
+//!
+//! - in: [`image_file`] and [`frame`] read images, [`scene`] a benchmark scene's folder, [`synthetic`]
+//!   renders a scene with known truth, [`degrade`] makes frames worse on purpose;
+//! - through: [`method`] is the registry of the stereo methods, [`pipeline`] runs one over a frame;
+//! - out: [`disparity_map`], [`geometry`] (its depth), [`output`] (files and pictures);
+//! - judged: [`score`] and [`sparsification`], [`baselines`] (OpenCV's figures), [`evaluation`] of many
+//!   scenes, [`report`];
+//! - [`command`]: the commands of the `haarline` tool.
+#![allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_possible_wrap,
+    clippy::cast_sign_loss,
+    reason = "floating point meets pixels at every step here, and nothing of it runs on the chip"
+)]
+
+pub mod baselines;
+pub mod command;
+pub mod degrade;
+pub mod disparity_map;
+pub mod evaluation;
+pub mod frame;
+pub mod geometry;
+pub mod image_file;
+pub mod method;
+pub mod output;
+pub mod pipeline;
+pub mod report;
+pub mod scene;
+pub mod score;
+pub mod sparsification;
+pub mod synthetic;
+
+pub use disparity_map::DisparityMap;
+pub use frame::{Frame, StereoPair};
+pub use geometry::Geometry;
+pub use method::MethodKind;

@@ -1,0 +1,181 @@
+//! `haarline demo`: the core on a rendered scene with known truth.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, ensure};
+use image::ExtendedColorType;
+use serde::Serialize;
+
+use super::{natural_number, number, print};
+use crate::method::MethodKind;
+use crate::output::picture::{self, ColourRange};
+use crate::output::{self, encode_grey_png, encode_png};
+use crate::pipeline::{self, Run};
+use crate::scene::Meta;
+use crate::score::Score;
+use crate::synthetic::{BlankScore, Rendering, Scene};
+use crate::{DisparityMap, Geometry};
+
+/// The cameras that the scene is as if seen by.
+const FOCAL_PX: f64 = 280.0;
+const BASELINE_MM: f64 = 60.0;
+
+/// Arguments of `haarline demo`.
+#[derive(Debug, clap::Args)]
+pub(super) struct Args {
+    /// Where the pictures go; the folder becomes a scene for haarline eval, too
+    #[arg(short, long = "output", value_name = "DIR", default_value = "out/demo")]
+    output: PathBuf,
+    /// How to match
+    #[arg(long, value_enum, default_value_t = MethodKind::BEST)]
+    method: MethodKind,
+    /// Sensor noise, standard deviation in grey levels
+    #[arg(long, value_name = "SIGMA", default_value_t = 1.5, allow_negative_numbers = true, value_parser = number)]
+    noise: f64,
+    /// Seed of textures and noise
+    #[arg(long, value_name = "S", default_value_t = 0, allow_negative_numbers = true, value_parser = natural_number)]
+    seed: u64,
+    /// Prints the figures as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// What the core made of the scene.
+#[derive(Debug, Serialize)]
+struct Figures {
+    method: &'static str,
+    width: usize,
+    height: usize,
+    num_disparities: u16,
+    milliseconds: f64,
+    #[serde(flatten)]
+    score: Score,
+    wall_pixels: u64,
+    wall_answered_percent: f64,
+    wall_wrong_percent: f64,
+    folder: PathBuf,
+    files: Vec<&'static str>,
+}
+
+/// A file's name, what it shows, and its content.
+type NamedFile = (&'static str, &'static str, Vec<u8>);
+
+impl Args {
+    pub(super) fn run(self) -> Result<()> {
+        let noise = self.noise;
+        ensure!((0.0..=255.0).contains(&noise), "--noise {noise}: must be 0 to 255");
+        output::prepare_folder("-o", &self.output)?;
+        let scene = Scene { noise, ..Scene::room(self.seed) };
+        let rendering = scene.render();
+        let Run { map, elapsed } = pipeline::run(&mut *self.method.build(scene.config())?, &rendering.pair)?;
+        let files = scene_files(&scene, &rendering)?.into_iter().chain(map_files(&scene, &rendering, &map)?);
+        let files: Vec<NamedFile> = files.collect();
+        for (name, _, bytes) in &files {
+            output::write(&self.output.join(name), bytes)?;
+        }
+        let figures = self.figures(&scene, &rendering, &map, elapsed.as_secs_f64() * 1000.0, &files)?;
+        print(&if self.json { serde_json::to_string(&figures)? + "\n" } else { figures.text(&files, noise) })
+    }
+
+    fn figures(
+        &self,
+        scene: &Scene,
+        rendering: &Rendering,
+        map: &DisparityMap,
+        milliseconds: f64,
+        files: &[NamedFile],
+    ) -> Result<Figures> {
+        let BlankScore { pixels, answered, wrong } = rendering.blank_score(map);
+        let percent = |count: u64| 100.0 * count as f64 / pixels.max(1) as f64;
+        Ok(Figures {
+            method: self.method.name(),
+            width: map.width,
+            height: map.height,
+            num_disparities: scene.num_disparities,
+            milliseconds,
+            score: Score::of(map, &rendering.truth, None).context("the scene has nothing to score")?,
+            wall_pixels: pixels,
+            wall_answered_percent: percent(answered),
+            wall_wrong_percent: percent(wrong),
+            folder: self.output.clone(),
+            files: files.iter().map(|(name, ..)| *name).collect(),
+        })
+    }
+}
+
+/// The scene in the layout that `haarline eval` reads.
+fn scene_files(scene: &Scene, Rendering { pair, truth, .. }: &Rendering) -> Result<[NamedFile; 5]> {
+    let size = [scene.width, scene.height];
+    let disparity: Vec<u8> = truth.disparity_q8.iter().flat_map(|sample| sample.to_ne_bytes()).collect();
+    let mask: Vec<u8> = truth.seen_by_both.iter().map(|&seen| if seen { 255 } else { 0 }).collect();
+    let meta = Meta {
+        num_disparities: scene.num_disparities,
+        family: "synthetic".to_owned(),
+        focal_px: Some(FOCAL_PX),
+        baseline_mm: Some(BASELINE_MM),
+    };
+    let meta = serde_json::to_string_pretty(&meta)? + "\n";
+    Ok([
+        ("left.png", "left view", encode_grey_png(&pair.left.luma, size)?),
+        ("right.png", "right view", encode_grey_png(&pair.right.luma, size)?),
+        ("truth.png", "true disparity x 256", encode_png(&disparity, size, ExtendedColorType::L16)?),
+        ("nonocc.png", "white where both cameras see the point", encode_grey_png(&mask, size)?),
+        ("meta.json", "search range, focal length, baseline", meta.into_bytes()),
+    ])
+}
+
+/// The core's answer, and the truth in the same colours.
+fn map_files(scene: &Scene, rendering: &Rendering, map: &DisparityMap) -> Result<[NamedFile; 6]> {
+    let geometry = Geometry::new(FOCAL_PX, BASELINE_MM)?;
+    let true_map = rendering.truth.to_map();
+    let range = ColourRange::of(&true_map);
+    let picture = |map: &DisparityMap| picture::encode(map, &range, Some(&geometry));
+    Ok([
+        ("truth_picture.png", "true disparity in colours", picture(&true_map)?),
+        ("disparity_picture.png", "the disparity found, in the same colours", picture(map)?),
+        ("disparity_grey.png", "the same in grey", picture::encode_grey(map, &scene.config())?),
+        ("confidence.png", "its confidence", encode_grey_png(&map.confidence, [map.width, map.height])?),
+        ("disparity.pfm", "its disparity in px", output::pfm::encode(map)),
+        ("cloud.ply", "its points in m", output::ply::encode(map, &rendering.pair.left, &geometry)),
+    ])
+}
+
+impl Figures {
+    fn text(&self, files: &[NamedFile], noise: f64) -> String {
+        let Self { method, width, height, num_disparities, milliseconds, score, .. } = self;
+        let figure = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |value| format!("{value:.2}"));
+        let mut text = format!(
+            "{method} on a rendered scene, {width}x{height} px, {num_disparities} disparities, noise {noise}: \
+             {milliseconds:.1} ms\n\
+             answered {:.2} % of the scored pixels; of the answers {} % are off by more than 2 px and {} % by more \
+             than 1 px, mean error {} px\n\
+             blank wall, {} pixels without texture: {:.2} % answered, {:.2} % wrong by more than 2 px\n\n",
+            score.density,
+            figure(score.bad2),
+            figure(score.bad1),
+            figure(score.epe),
+            self.wall_pixels,
+            self.wall_answered_percent,
+            self.wall_wrong_percent,
+        );
+        for (name, what, _) in files {
+            text += &format!("  {:<40} {what}\n", self.folder.join(name).display().to_string());
+        }
+        text + &next_steps(&self.folder, *num_disparities)
+    }
+}
+
+/// What to try on the files, one command a line with what it does above.
+fn next_steps(folder: &Path, num_disparities: u16) -> String {
+    let file = |name: &str| folder.join(name).display().to_string();
+    let (left, right, folder) = (file("left.png"), file("right.png"), folder.display());
+    format!(
+        "\nLook at {} beside {}.\n\n\
+         The same scene from its files, as any folder of scenes with known truth:\n  haarline eval {folder}\n\
+         Worse light:\n  haarline demo --noise 10\n\
+         Any rectified pair, here this one:\n  \
+         haarline depth {left} {right} --num-disparities {num_disparities} --picture depth.png\n",
+        file("disparity_picture.png"),
+        file("truth_picture.png"),
+    )
+}

@@ -1,0 +1,223 @@
+//! `haarline eval`: a method on scenes with known truth.
+
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+use anyhow::{Result, bail, ensure};
+use indicatif::{ProgressBar, ProgressStyle};
+
+use super::{OverLimit, natural_number, number, print};
+use crate::baselines::{Baselines, Level};
+use crate::degrade::Degradation;
+use crate::evaluation::{self, Evaluator, Mean, SceneScore};
+use crate::method::MethodKind;
+use crate::output;
+use crate::report::Report;
+use crate::scene::{Scene, find_scenes};
+use crate::score::{Figure, Score};
+
+/// Arguments of `haarline eval`.
+#[derive(Debug, clap::Args)]
+pub(super) struct Args {
+    /// Folder of scene folders, each with left.png, right.png, truth.png, nonocc.png and meta.json; or
+    /// one scene folder
+    #[arg(value_name = "SCENES_DIR")]
+    scenes: PathBuf,
+    /// Which method to score
+    #[arg(long, value_enum, default_value_t = MethodKind::BEST)]
+    method: MethodKind,
+    /// Adds Gaussian noise to both views: standard deviation, grey levels
+    #[arg(long, value_name = "SIGMA", default_value_t = 0.0, allow_negative_numbers = true, value_parser = number)]
+    noise: f64,
+    /// Multiplies the right view
+    #[arg(long, value_name = "G", default_value_t = 1.0, allow_negative_numbers = true, value_parser = number)]
+    gain: f64,
+    /// Adds grey levels to the right view, after the gain
+    #[arg(long, value_name = "O", default_value_t = 0.0, allow_negative_numbers = true, value_parser = number)]
+    offset: f64,
+    /// Multiplies both views, after gain and offset and before the noise: less light
+    #[arg(long, value_name = "G", default_value_t = 1.0, allow_negative_numbers = true, value_parser = number)]
+    both_gain: f64,
+    /// Seed of the noise
+    #[arg(long, value_name = "S", default_value_t = 0, allow_negative_numbers = true, value_parser = natural_number)]
+    seed: u64,
+    /// Only these scenes
+    #[arg(long, value_name = "A,B,...", value_delimiter = ',')]
+    only: Vec<String>,
+    /// OpenCV's figures [default: baselines.json in the scenes' folder or in one of the two above it]
+    #[arg(long, value_name = "FILE")]
+    baselines: Option<PathBuf>,
+    /// Writes everything as JSON; - is the standard output, instead of the tables
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    /// Writes <scene>.pfm, <scene>_confidence.png and <scene>_picture.png of every scene
+    #[arg(short, long = "output", value_name = "DIR")]
+    output: Option<PathBuf>,
+    /// Ends with exit status 1 if the mean of a figure is over a limit, as in tot2=9.5; any number of times
+    #[arg(long, value_name = "KEY=VALUE")]
+    fail_over: Vec<Limit>,
+}
+
+/// A figure of the mean, and what it may be at most.
+#[derive(Debug, Clone)]
+struct Limit {
+    figure: Figure,
+    most: f64,
+}
+
+impl FromStr for Limit {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (key, value) = text.split_once('=').ok_or("must be KEY=VALUE, as in tot2=9.5")?;
+        let keys = || Score::FIGURES.map(|(key, _)| key).join(", ");
+        let figure = Score::FIGURES.into_iter().find(|figure| figure.0 == key);
+        let figure = figure.ok_or_else(|| format!("there is no figure {key:?}, but {}", keys()))?;
+        match value.parse() {
+            Ok(most) if f64::is_finite(most) => Ok(Self { figure, most }),
+            _ => Err(format!("the limit {value:?} is no number")),
+        }
+    }
+}
+
+impl Args {
+    pub(super) fn run(self) -> Result<()> {
+        let degradation = self.degradation()?;
+        let folders = self.choose(find_scenes(&self.scenes)?)?;
+        self.check_outputs()?;
+        let scenes = evaluation::load(&folders)?;
+        let baselines = self.read_baselines()?;
+        let widest = scenes.iter().map(|scene| scene.pair.width()).max().unwrap_or(0);
+        let level = baselines.as_ref().map(|baselines| baselines.level(widest, &degradation));
+        let baselines = baselines.as_ref().zip(level.as_ref());
+        let scores = self.evaluate(scenes, degradation, baselines)?;
+        let Some(mean) = Mean::of(scores.iter()) else { bail!("{}: no scene in it", self.scenes.display()) };
+        let report = Report {
+            method: self.method.name(),
+            folder: &self.scenes,
+            degradation,
+            baselines,
+            scenes: &scores,
+            mean: &mean,
+        };
+        self.deliver(&report)?;
+        check_limits(&self.fail_over, &mean.score)
+    }
+
+    fn degradation(&self) -> Result<Degradation> {
+        let limited = [("--noise", self.noise), ("--gain", self.gain), ("--both-gain", self.both_gain)];
+        for (option, value) in limited {
+            ensure!((0.0..=255.0).contains(&value), "{option} {value}: must be 0 to 255");
+        }
+        let offset = self.offset;
+        ensure!((-255.0..=255.0).contains(&offset), "--offset {offset}: must be -255 to 255 grey levels");
+        let Self { noise, gain, offset, both_gain, seed, .. } = *self;
+        Ok(Degradation { noise, gain, offset, both_gain, seed })
+    }
+
+    /// The folders that `--only` names, or all.
+    fn choose(&self, folders: Vec<PathBuf>) -> Result<Vec<PathBuf>> {
+        let name = |folder: &Path| folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        for wanted in &self.only {
+            ensure!(
+                folders.iter().any(|folder| name(folder) == *wanted),
+                "--only: there is no scene {wanted:?} in {}, which has {}",
+                self.scenes.display(),
+                list(folders.iter().map(|folder| name(folder)))
+            );
+        }
+        let is_wanted = |folder: &PathBuf| self.only.is_empty() || self.only.contains(&name(folder));
+        Ok(folders.into_iter().filter(is_wanted).collect())
+    }
+
+    fn check_outputs(&self) -> Result<()> {
+        if let Some(path) = self.json_file() {
+            output::check_writable("--json", path)?;
+        }
+        match &self.output {
+            Some(folder) => output::prepare_folder("-o", folder),
+            None => Ok(()),
+        }
+    }
+
+    /// The JSON's file, if it does not go to the standard output.
+    fn json_file(&self) -> Option<&Path> {
+        self.json.as_deref().filter(|path| *path != Path::new("-"))
+    }
+
+    fn read_baselines(&self) -> Result<Option<Baselines>> {
+        let found = || Baselines::find(&self.scenes);
+        self.baselines.clone().or_else(found).map(|path| Baselines::read(&path)).transpose()
+    }
+
+    fn evaluate(
+        &self,
+        scenes: Vec<Scene>,
+        degradation: Degradation,
+        baselines: Option<(&Baselines, &Level)>,
+    ) -> Result<Vec<SceneScore>> {
+        let evaluator = Evaluator { method: self.method, degradation, baselines, maps: self.output.as_deref() };
+        // Shown only where the standard error is a terminal.
+        let style = ProgressStyle::with_template("{bar:40} {pos}/{len} scenes")?;
+        let progress = ProgressBar::new(scenes.len() as u64).with_style(style);
+        let scores = evaluator.run(scenes, || progress.inc(1));
+        progress.finish_and_clear();
+        scores
+    }
+
+    fn deliver(&self, report: &Report<'_>) -> Result<()> {
+        if let Some(path) = self.json_file() {
+            output::write(path, report.json()?.as_bytes())?;
+        }
+        let goes_to_stdout = self.json.is_some() && self.json_file().is_none();
+        print(&if goes_to_stdout { report.json()? } else { report.text() })
+    }
+}
+
+/// The first names, and how many more there are.
+fn list(names: impl ExactSizeIterator<Item = String>) -> String {
+    const SHOWN: usize = 8;
+    let more = names.len().saturating_sub(SHOWN);
+    let shown = names.take(SHOWN).collect::<Vec<_>>().join(", ");
+    if more > 0 { format!("{shown} and {more} more") } else { shown }
+}
+
+/// Refuses a mean with a figure over its limit, or without a figure that is limited.
+fn check_limits(limits: &[Limit], mean: &Score) -> Result<()> {
+    let mut over = Vec::new();
+    for Limit { figure: (key, figure), most } in limits {
+        match figure(mean) {
+            Some(value) if value <= *most => {}
+            Some(value) => over.push(format!("{key} is {value:.3}, over the limit of {most}")),
+            None => over.push(format!("{key} is undefined, where at most {most} is asked for")),
+        }
+    }
+    ensure!(over.is_empty(), OverLimit(format!("--fail-over: in the mean {}", over.join(", "))));
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn score(tot2: f64) -> Score {
+        let (bad1, bad2, epe, bad2_at_bm_density, auc) = (None, None, None, None, None);
+        Score { density: 0.0, bad1, bad2, tot1: 100.0, tot2, epe, bad2_at_bm_density, auc }
+    }
+
+    #[test]
+    fn a_limit_is_kept_up_to_the_limit_itself() {
+        let limits = |text: &str| vec![text.parse::<Limit>().unwrap()];
+        assert!(check_limits(&limits("tot2=9.5"), &score(9.5)).is_ok());
+        let error = check_limits(&limits("tot2=9.5"), &score(9.501)).unwrap_err();
+        assert!(error.is::<OverLimit>());
+        assert!(check_limits(&limits("bad2=9.5"), &score(1.0)).is_err(), "undefined is no pass");
+    }
+
+    #[test]
+    fn a_limit_needs_a_known_key_and_a_number() {
+        for text in ["tot2", "tot3=1", "tot2=", "tot2=x", "tot2=NaN", "=1"] {
+            assert!(text.parse::<Limit>().is_err(), "{text}");
+        }
+    }
+}

@@ -1,0 +1,171 @@
+//! The commands of the tool, and what they share: how they end and how they print.
+
+mod demo;
+mod depth;
+mod eval;
+
+use std::ffi::OsString;
+use std::io::{self, ErrorKind, Write};
+use std::{env, fmt};
+
+use anyhow::{Context, Result};
+use clap::{Parser, Subcommand, error};
+
+/// Exit status of wrong input: files, options, anything the user can put right.
+const STATUS_INPUT: u8 = 2;
+/// Exit status of a figure over its limit (`--fail-over`).
+const STATUS_OVER_LIMIT: u8 = 1;
+
+/// Stereo depth by Haar contours and extremum search, on recorded frames: the same core as on the chip
+#[derive(Debug, Parser)]
+#[command(name = "haarline", version)]
+pub struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Two rectified views in, a disparity map out
+    Depth(depth::Args),
+    /// Scores a method on scenes with known truth, next to OpenCV's figures
+    Eval(eval::Args),
+    /// Renders a scene with known truth and shows what the core makes of it
+    Demo(demo::Args),
+}
+
+/// How a command ends when it does not succeed.
+#[derive(Debug)]
+pub struct Failure {
+    /// What is wrong and what would be right, in one line.
+    pub line: String,
+    /// The process's exit status.
+    pub status: u8,
+}
+
+impl From<anyhow::Error> for Failure {
+    fn from(error: anyhow::Error) -> Self {
+        let status = if error.is::<OverLimit>() { STATUS_OVER_LIMIT } else { STATUS_INPUT };
+        Self { line: one_line(&format!("{error:#}")), status }
+    }
+}
+
+/// A figure is over the limit that the user gave.
+#[derive(Debug)]
+struct OverLimit(String);
+
+impl fmt::Display for OverLimit {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for OverLimit {}
+
+impl Cli {
+    /// Reads the process's arguments. Help and version are printed and end the process.
+    ///
+    /// # Errors
+    /// If they are not understood.
+    pub fn from_args() -> Result<Self, Failure> {
+        Self::parse_line(env::args_os()).or_else(|error| {
+            if error.use_stderr() {
+                return Err(Failure { line: condense(&error), status: STATUS_INPUT });
+            }
+            print(&error.to_string())?;
+            std::process::exit(0);
+        })
+    }
+
+    fn parse_line(arguments: impl IntoIterator<Item = OsString>) -> Result<Self, error::Error> {
+        Self::try_parse_from(arguments)
+    }
+
+    /// Runs the command.
+    ///
+    /// # Errors
+    /// If the input is wrong, or a figure is over its limit.
+    pub fn run(self) -> Result<(), Failure> {
+        match self.command {
+            Command::Depth(args) => args.run()?,
+            Command::Eval(args) => args.run()?,
+            Command::Demo(args) => args.run()?,
+        }
+        Ok(())
+    }
+}
+
+/// clap's message in one line, without the usage.
+fn condense(error: &error::Error) -> String {
+    if error.kind() == error::ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
+        return "a command is missing: depth, eval or demo; haarline --help tells more".to_owned();
+    }
+    let text = error.to_string();
+    let lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
+    let told = lines.take_while(|line| !line.starts_with("Usage:") && !line.starts_with("For more information"));
+    let joined = told.collect::<Vec<_>>().join(" ").replace(" tip: ", "; ");
+    format!("{}; --help tells more", joined.strip_prefix("error: ").unwrap_or(&joined))
+}
+
+fn one_line(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+/// Reads a whole number of an option.
+fn whole_number(text: &str) -> Result<i64, &'static str> {
+    text.parse().map_err(|_| "must be a whole number")
+}
+
+/// Reads a whole number that is not negative.
+fn natural_number(text: &str) -> Result<u64, &'static str> {
+    text.parse().map_err(|_| "must be a whole number, 0 or more")
+}
+
+/// Reads a number of an option.
+fn number(text: &str) -> Result<f64, &'static str> {
+    text.parse().map_err(|_| "must be a number")
+}
+
+/// Prints to the standard output. Where nobody reads it any more, that is no error.
+fn print(text: &str) -> Result<()> {
+    let mut out = io::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(error).context("the standard output"),
+        _ => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    fn refused(line: &str) -> String {
+        let arguments = line.split(' ').map(OsString::from);
+        let error = Cli::parse_line(arguments).unwrap_err();
+        condense(&error)
+    }
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn a_refusal_is_one_line_that_names_the_option() {
+        let cases = [
+            ("haarline", "a command is missing"),
+            ("haarline dept", "unrecognized subcommand 'dept'"),
+            ("haarline depth", "<LEFT>"),
+            ("haarline depth a b --focal-px x", "--focal-px"),
+            ("haarline depth a b --metod lite", "--method"),
+            ("haarline eval d --method best", "lite"),
+            ("haarline eval d --fail-over tot2", "KEY=VALUE"),
+            ("haarline eval d --fail-over tot9=3", "tot9"),
+        ];
+        for (line, wanted) in cases {
+            let told = refused(line);
+            assert!(told.contains(wanted) && !told.contains('\n'), "{line}: {told}");
+        }
+    }
+}

@@ -1,0 +1,129 @@
+//! Frames made worse on purpose: exposure differences between the views, and sensor noise.
+
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, Normal};
+
+use crate::StereoPair;
+
+/// What is done to a pair. The right view becomes `value x gain + offset`, then both views are
+/// multiplied by `both_gain`, then both get noise; at the end each pixel is rounded once (halves to
+/// even) and clipped to 0..=255.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Degradation {
+    /// Standard deviation of Gaussian noise, independent in every pixel of both views, grey levels.
+    pub noise: f64,
+    /// Factor on the right view.
+    pub gain: f64,
+    /// Grey levels added to the right view, after the factor.
+    pub offset: f64,
+    /// Factor on both views: less light.
+    pub both_gain: f64,
+    /// Seed of the noise.
+    pub seed: u64,
+}
+
+impl Default for Degradation {
+    fn default() -> Self {
+        Self { noise: 0.0, gain: 1.0, offset: 0.0, both_gain: 1.0, seed: 0 }
+    }
+}
+
+impl Degradation {
+    /// Whether noise is all it does, if anything.
+    #[must_use]
+    pub fn is_noise_only(&self) -> bool {
+        (self.gain, self.offset, self.both_gain) == (1.0, 0.0, 1.0)
+    }
+
+    /// Degrades both views of the scene called `name`. The noise depends on the seed, the name and
+    /// the view only, so neither on the order of the scenes nor on which of them are computed.
+    ///
+    /// # Panics
+    /// If the noise is negative or not finite.
+    pub fn apply(&self, name: &str, pair: &mut StereoPair) {
+        let left_gain = self.both_gain;
+        self.degrade(&mut pair.left.luma, [left_gain, 0.0], generator(self.seed, name, 0));
+        let (gain, offset) = (self.gain * self.both_gain, self.offset * self.both_gain);
+        self.degrade(&mut pair.right.luma, [gain, offset], generator(self.seed, name, 1));
+    }
+
+    fn degrade(&self, luma: &mut [u8], [gain, offset]: [f64; 2], mut rng: ChaCha8Rng) {
+        let noise = Normal::new(0.0, self.noise).expect("the noise is finite and not negative");
+        for pixel in luma {
+            let sample = if self.noise > 0.0 { noise.sample(&mut rng) } else { 0.0 };
+            let value = f64::from(*pixel) * gain + offset + sample;
+            *pixel = value.round_ties_even().clamp(0.0, 255.0) as u8;
+        }
+    }
+}
+
+/// A generator of its own for one view of one scene.
+fn generator(seed: u64, name: &str, view: u8) -> ChaCha8Rng {
+    let mut key = [0; 32];
+    key[..8].copy_from_slice(&seed.to_le_bytes());
+    key[8..16].copy_from_slice(&fnv1a(name.as_bytes()).to_le_bytes());
+    key[16] = view;
+    ChaCha8Rng::from_seed(key)
+}
+
+/// The 64-bit FNV-1a hash: the same on every machine and in every release.
+fn fnv1a(bytes: &[u8]) -> u64 {
+    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, &byte| (hash ^ u64::from(byte)).wrapping_mul(0x100_0000_01b3))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Frame;
+
+    fn flat(value: u8) -> StereoPair {
+        let frame = Frame::from_luma(200, 100, vec![value; 20_000]);
+        StereoPair { left: frame.clone(), right: frame }
+    }
+
+    fn degraded(value: u8, degradation: Degradation) -> StereoPair {
+        let mut pair = flat(value);
+        degradation.apply("flat", &mut pair);
+        pair
+    }
+
+    #[test]
+    fn nothing_asked_changes_nothing() {
+        assert_eq!(degraded(77, Degradation::default()), flat(77));
+    }
+
+    #[test]
+    fn gain_and_offset_change_the_right_view_only_and_clip() {
+        let pair = degraded(200, Degradation { gain: 0.8, offset: 25.0, ..Default::default() });
+        assert_eq!((pair.left.luma[0], pair.right.luma[0]), (200, 185));
+        let pair = degraded(200, Degradation { gain: 1.2, offset: 25.0, ..Default::default() });
+        assert_eq!(pair.right.luma[0], 255);
+        let pair = degraded(100, Degradation { both_gain: 0.25, offset: 20.0, ..Default::default() });
+        assert_eq!((pair.left.luma[0], pair.right.luma[0]), (25, 30));
+    }
+
+    #[test]
+    fn noise_has_the_mean_and_the_sigma_asked_for() {
+        let pair = degraded(128, Degradation { noise: 10.0, ..Default::default() });
+        for luma in [&pair.left.luma, &pair.right.luma] {
+            let mean = luma.iter().map(|&v| f64::from(v)).sum::<f64>() / 20_000.0;
+            let variance = luma.iter().map(|&v| (f64::from(v) - mean).powi(2)).sum::<f64>() / 20_000.0;
+            // The mean of 20000 has a sigma of 0.07, their sigma one of 0.05; rounding adds 1/12.
+            assert!((mean - 128.0).abs() < 0.35, "mean {mean}");
+            assert!(((variance - 1.0 / 12.0).sqrt() - 10.0).abs() < 0.25, "variance {variance}");
+        }
+    }
+
+    #[test]
+    fn noise_depends_on_seed_scene_and_view() {
+        let noise = Degradation { noise: 5.0, ..Default::default() };
+        let first = degraded(128, noise);
+        assert_eq!(first, degraded(128, noise));
+        assert_ne!(first.left, first.right);
+        assert_ne!(first, degraded(128, Degradation { seed: 1, ..noise }));
+        let mut other = flat(128);
+        noise.apply("other", &mut other);
+        assert_ne!(first, other);
+    }
+}

@@ -1,0 +1,168 @@
+//! A method on many scenes: scored in parallel, with the same result whatever the number of threads.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use anyhow::{Context, Result};
+use rayon::prelude::*;
+
+use crate::baselines::{self, Baselines, Level};
+use crate::degrade::Degradation;
+use crate::disparity_map::DisparityMap;
+use crate::method::MethodKind;
+use crate::output::picture::{self, ColourRange};
+use crate::scene::Scene;
+use crate::score::Score;
+use crate::{Geometry, output, pipeline};
+
+/// What is to be done with every scene.
+#[derive(Debug)]
+pub struct Evaluator<'a> {
+    /// The method to score.
+    pub method: MethodKind,
+    /// What happens to the frames before.
+    pub degradation: Degradation,
+    /// OpenCV's figures, and which of them.
+    pub baselines: Option<(&'a Baselines, &'a Level)>,
+    /// Where the maps go, if anywhere.
+    pub maps: Option<&'a Path>,
+}
+
+/// A scene's score, and those of OpenCV on it.
+#[derive(Debug, Clone)]
+pub struct SceneScore {
+    /// The scene's name.
+    pub name: String,
+    /// The scene's kind.
+    pub family: String,
+    /// The method's score.
+    pub score: Score,
+    /// OpenCV's, in the order of [`baselines::METHODS`]; `None` where the file has none.
+    pub references: [Option<Score>; baselines::METHODS.len()],
+}
+
+/// Mean scores over a group of scenes.
+#[derive(Debug, Clone)]
+pub struct Mean {
+    /// How many scenes there are.
+    pub scenes: usize,
+    /// The method's mean.
+    pub score: Score,
+    /// OpenCV's means, each over those of the scenes that the file has, and how many these are.
+    pub references: [Option<(Score, usize)>; baselines::METHODS.len()],
+}
+
+impl Mean {
+    /// The mean over `scenes`; `None` if there are none.
+    #[must_use]
+    pub fn of<'a>(scenes: impl Iterator<Item = &'a SceneScore> + Clone) -> Option<Self> {
+        let score = Score::mean(scenes.clone().map(|scene| &scene.score))?;
+        let references = std::array::from_fn(|method| {
+            let known = scenes.clone().filter_map(move |scene| scene.references[method].as_ref());
+            Some((Score::mean(known.clone())?, known.count()))
+        });
+        Some(Self { scenes: scenes.count(), score, references })
+    }
+
+    /// The mean of each family of scenes, by name.
+    #[must_use]
+    pub fn by_family(scenes: &[SceneScore]) -> BTreeMap<&str, Self> {
+        let families: BTreeMap<&str, ()> = scenes.iter().map(|scene| (scene.family.as_str(), ())).collect();
+        let mean = |family: &str| Self::of(scenes.iter().filter(|scene| scene.family == family));
+        families.into_keys().filter_map(|family| Some((family, mean(family)?))).collect()
+    }
+}
+
+/// Loads the scenes in `folders`, in their order.
+///
+/// # Errors
+/// The first folder's in that order, if some cannot be loaded.
+pub fn load(folders: &[impl AsRef<Path> + Sync]) -> Result<Vec<Scene>> {
+    let scenes: Vec<Result<Scene>> = folders.par_iter().map(|folder| Scene::read(folder.as_ref())).collect();
+    scenes.into_iter().collect()
+}
+
+impl Evaluator<'_> {
+    /// Scores every scene, in their order; `done` is called after each.
+    ///
+    /// # Errors
+    /// The first scene's in that order, if some fail.
+    pub fn run(&self, scenes: Vec<Scene>, done: impl Fn() + Sync) -> Result<Vec<SceneScore>> {
+        let score = |scene: Scene| {
+            let name = scene.name.clone();
+            let score = self.score(scene).with_context(|| format!("scene {name}"));
+            done();
+            score
+        };
+        let scores: Vec<Result<SceneScore>> = scenes.into_par_iter().map(score).collect();
+        scores.into_iter().collect()
+    }
+
+    /// Degrades, matches and scores one scene, and writes its map.
+    fn score(&self, mut scene: Scene) -> Result<SceneScore> {
+        self.degradation.apply(&scene.name, &mut scene.pair);
+        let mut method = self.method.build(scene.config())?;
+        let map = pipeline::run(&mut *method, &scene.pair)?.map;
+        if let Some(folder) = self.maps {
+            write_maps(folder, &scene, &map)?;
+        }
+        let references = self.references(&scene);
+        let reference_density = references[0].map(|score| score.density);
+        let score = Score::of(&map, &scene.truth, reference_density).context("nothing to score")?;
+        Ok(SceneScore { name: scene.name, family: scene.meta.family, score, references })
+    }
+
+    fn references(&self, scene: &Scene) -> [Option<Score>; baselines::METHODS.len()] {
+        baselines::METHODS.map(|(method, _)| {
+            let (baselines, level) = self.baselines?;
+            baselines.score(method, level, &scene.name, scene.pair.width())
+        })
+    }
+}
+
+/// `<scene>.pfm`, `<scene>_confidence.png` and `<scene>_picture.png`, the colours spanning the truth.
+fn write_maps(folder: &Path, scene: &Scene, map: &DisparityMap) -> Result<()> {
+    let file = |suffix: &str| folder.join(format!("{}{suffix}", scene.name));
+    let geometry = match (scene.meta.focal_px, scene.meta.baseline_mm) {
+        (Some(focal_px), Some(baseline_mm)) => Geometry::new(focal_px, baseline_mm).ok(),
+        _ => None,
+    };
+    let range = ColourRange::of(&scene.truth.to_map());
+    output::write(&file(".pfm"), &output::pfm::encode(map))?;
+    let confidence = output::encode_grey_png(&map.confidence, [map.width, map.height])?;
+    output::write(&file("_confidence.png"), &confidence)?;
+    output::write(&file("_picture.png"), &picture::encode(map, &range, geometry.as_ref())?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn scene(family: &str, tot2: f64, reference: Option<f64>) -> SceneScore {
+        let score = |tot2| Score {
+            density: 50.0,
+            bad1: None,
+            bad2: None,
+            tot1: 100.0,
+            tot2,
+            epe: None,
+            bad2_at_bm_density: None,
+            auc: None,
+        };
+        let references = [reference.map(score), None, None];
+        SceneScore { name: String::new(), family: family.to_owned(), score: score(tot2), references }
+    }
+
+    #[test]
+    fn means_are_plain_over_scenes_and_within_families() {
+        let scenes = [scene("b", 10.0, Some(20.0)), scene("b", 20.0, None), scene("a", 60.0, Some(40.0))];
+        let mean = Mean::of(scenes.iter()).unwrap();
+        assert_eq!((mean.scenes, mean.score.tot2, mean.score.epe), (3, 30.0, None));
+        let (reference, count) = mean.references[0].unwrap();
+        assert_eq!((reference.tot2, count), (30.0, 2));
+        assert!(mean.references[1].is_none());
+        let families = Mean::by_family(&scenes);
+        let tot2: Vec<(&str, f64)> = families.iter().map(|(family, mean)| (*family, mean.score.tot2)).collect();
+        assert_eq!(tot2, [("a", 60.0), ("b", 15.0)]);
+    }
+}

@@ -1,0 +1,123 @@
+//! The registry of the stereo methods: the one place that knows them all by name.
+
+use std::fmt;
+use std::thread::{self, ScopedJoinHandle};
+
+use anyhow::{Result, bail};
+use clap::ValueEnum;
+use haarline::{Config, ConfigError, Lite, StereoMethod, blocks_for};
+use haarline_tests::{BlockSettings, StereoBm};
+
+/// Columns that every method here has room for.
+const MAX_WIDTH: usize = Config::MAX_WIDTH as usize;
+/// Stack for building the largest of them.
+const BUILD_STACK_BYTES: usize = 16 << 20;
+/// Disparities that every method here has room for.
+const MAX_DISPARITIES: usize = Config::MAX_DISPARITIES as usize;
+
+/// A stereo method, by its name on the command line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum MethodKind {
+    /// Contour seeds and greedy blocks: the cheapest method that holds up under noise
+    Lite,
+    /// Block matching as in OpenCV's StereoBM, for reference
+    Block,
+}
+
+impl MethodKind {
+    /// The best there is, the default of every command.
+    pub const BEST: Self = Self::Lite;
+
+    /// The name on the command line and in reports.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Lite => "lite",
+            Self::Block => "block",
+        }
+    }
+
+    /// An instance for rows of up to [`Config::MAX_WIDTH`] px.
+    ///
+    /// # Errors
+    /// If the configuration is refused.
+    pub fn build(self, config: Config) -> Result<Box<dyn StereoMethod + Send>, ConfigError> {
+        // An instance of up to 1 MB is moved into its box a few times, more than a thread's usual stack can take.
+        thread::scope(|scope| {
+            let builder = thread::Builder::new().stack_size(BUILD_STACK_BYTES);
+            match builder.spawn_scoped(scope, move || self.build_here(config)).map(ScopedJoinHandle::join) {
+                Ok(Ok(method)) => method,
+                // Without a thread to spare, or with a panic to hand on, this one has to do.
+                Ok(Err(_)) | Err(_) => self.build_here(config),
+            }
+        })
+    }
+
+    fn build_here(self, config: Config) -> Result<Box<dyn StereoMethod + Send>, ConfigError> {
+        Ok(match self {
+            Self::Lite => Box::new(Lite::<{ blocks_for(Config::MAX_WIDTH) }>::new(config)?),
+            // Its costs take 2 bytes a column and disparity, so a small one for narrow rows.
+            Self::Block if config.width <= 320 => {
+                Box::new(StereoBm::<320, MAX_DISPARITIES>::new(config, BlockSettings::default())?)
+            }
+            Self::Block => Box::new(StereoBm::<MAX_WIDTH, MAX_DISPARITIES>::new(config, BlockSettings::default())?),
+        })
+    }
+}
+
+impl fmt::Display for MethodKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// Checks a configuration and says what is wrong in the user's words; `num_name` is what the number of
+/// disparities is called where it comes from.
+///
+/// # Errors
+/// If [`Config::check`] refuses it.
+pub fn check_config(config: &Config, num_name: &str) -> Result<()> {
+    let Config { width, min_disparity, num_disparities } = config;
+    match config.check() {
+        Ok(()) => Ok(()),
+        Err(ConfigError::NumDisparities) => bail!("{num_name} {num_disparities}: must be 1 to 256"),
+        Err(ConfigError::DisparitiesOverWidth) => {
+            bail!("{num_name} {num_disparities}: must not be more than the images are wide, {width} px")
+        }
+        Err(ConfigError::MinDisparity) => bail!("--min-disparity {min_disparity}: must be -128 to 128 px"),
+        Err(error) => bail!("the images are {width} px wide: {error}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_method_takes_the_smallest_and_the_largest_configuration() {
+        let smallest = Config { width: Config::MIN_WIDTH, min_disparity: -128, num_disparities: 1 };
+        let largest = Config { width: Config::MAX_WIDTH, min_disparity: 128, num_disparities: Config::MAX_DISPARITIES };
+        for &method in MethodKind::value_variants() {
+            assert_eq!(method.to_possible_value().map(|value| value.get_name() == method.name()), Some(true));
+            for config in [smallest, Config::for_width(320), Config::for_width(321), largest] {
+                assert_eq!(method.build(config).map(|method| *method.config()).ok(), Some(config), "{method}");
+            }
+        }
+    }
+
+    #[test]
+    fn refusals_name_the_option_and_the_range() {
+        let config = Config::for_width(64);
+        let refusal = |config: Config| check_config(&config, "--num-disparities").unwrap_err().to_string();
+        let cases = [
+            (Config { num_disparities: 0, ..config }, "--num-disparities 0: must be 1 to 256"),
+            (Config { num_disparities: 65, ..config }, "--num-disparities 65: must not be more"),
+            (Config { min_disparity: -129, ..config }, "--min-disparity -129: must be -128 to 128 px"),
+            (Config { width: 31, ..config }, "the images are 31 px wide: "),
+        ];
+        for (config, wanted) in cases {
+            let told = refusal(config);
+            assert!(told.starts_with(wanted), "{told}");
+        }
+    }
+}

@@ -1,0 +1,205 @@
+//! Files that come out: written beside the target and renamed, so that nothing half-written ever has
+//! the final name.
+
+pub mod kitti_png;
+mod legend;
+pub mod pfm;
+pub mod picture;
+pub mod ply;
+
+use std::fs::{self, File};
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use anyhow::{Result, anyhow, bail, ensure};
+use image::{ExtendedColorType, ImageEncoder};
+
+use crate::{DisparityMap, Frame, Geometry};
+
+/// The kinds of disparity file, by the suffix of their name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum MapKind {
+    /// `.pfm`: px in 32-bit floating point ([`pfm`]).
+    Pfm,
+    /// `.png`: 16 bits, disparity x 256 ([`kitti_png`]).
+    KittiPng,
+    /// `.ply`: coloured points ([`ply`]).
+    Ply,
+}
+
+impl MapKind {
+    /// The kind that `path`'s suffix asks for, in upper or lower case.
+    ///
+    /// # Errors
+    /// If it is none of them.
+    pub fn of(path: &Path) -> Result<Self> {
+        match suffix(path).as_str() {
+            "pfm" => Ok(Self::Pfm),
+            "png" => Ok(Self::KittiPng),
+            "ply" => Ok(Self::Ply),
+            _ => bail!("-o {}: unknown kind of file; the name must end in .pfm, .png or .ply", path.display()),
+        }
+    }
+
+    /// The file's content. A point cloud is coloured like `left`.
+    ///
+    /// # Errors
+    /// If the map cannot be told in that kind of file.
+    pub fn encode(self, map: &DisparityMap, left: &Frame, geometry: Option<&Geometry>) -> Result<Vec<u8>> {
+        match (self, geometry) {
+            (Self::Pfm, _) => Ok(pfm::encode(map)),
+            (Self::KittiPng, _) => kitti_png::encode(map),
+            (Self::Ply, Some(geometry)) => Ok(ply::encode(map, left, geometry)),
+            (Self::Ply, None) => bail!("a point cloud needs --focal-px and --baseline-mm"),
+        }
+    }
+}
+
+/// Refuses a picture's name that does not end in `.png`.
+///
+/// # Errors
+/// Names the option and the file.
+pub fn check_png_name(option: &str, path: &Path) -> Result<()> {
+    ensure!(suffix(path) == "png", "{option} {}: the name must end in .png", path.display());
+    Ok(())
+}
+
+fn suffix(path: &Path) -> String {
+    path.extension().unwrap_or_default().to_string_lossy().to_lowercase()
+}
+
+/// Checks that a file can be written as `path`, before anything is computed for it.
+///
+/// # Errors
+/// Names the option and the file.
+pub fn check_writable(option: &str, path: &Path) -> Result<()> {
+    let name = path.display();
+    ensure!(!path.is_dir(), "{option} {name}: is a folder, where the name of a file is expected");
+    if is_written_in_place(path) {
+        return Ok(());
+    }
+    if let Ok(metadata) = path.metadata() {
+        ensure!(!metadata.permissions().readonly(), "{option} {name}: the file is there and read-only");
+    }
+    let folder = folder_of(path);
+    ensure!(folder.is_dir(), "{option} {name}: there is no folder {}", folder.display());
+    match tempfile::tempfile_in(&folder) {
+        Ok(_) => Ok(()),
+        Err(error) => bail!("{option} {name}: cannot write in folder {}: {error}", folder.display()),
+    }
+}
+
+/// Makes sure that `folder` is there and can be written in.
+///
+/// # Errors
+/// Names the option and the folder.
+pub fn prepare_folder(option: &str, folder: &Path) -> Result<()> {
+    let name = folder.display();
+    ensure!(!folder.is_file(), "{option} {name}: is a file, where a folder is expected");
+    fs::create_dir_all(folder).map_err(|error| anyhow!("{option} {name}: cannot create the folder: {error}"))?;
+    match tempfile::tempfile_in(folder) {
+        Ok(_) => Ok(()),
+        Err(error) => bail!("{option} {name}: cannot write in this folder: {error}"),
+    }
+}
+
+/// Writes `bytes` as `path`: completely or not at all.
+///
+/// # Errors
+/// Names the file.
+pub fn write(path: &Path, bytes: &[u8]) -> Result<()> {
+    let result = if is_written_in_place(path) { write_in_place(path, bytes) } else { replace(path, bytes) };
+    result.map_err(|error| anyhow!("{}: cannot be written: {error}", path.display()))
+}
+
+/// Into a file beside the target first, which then takes the target's name. A symbolic link stays one.
+fn replace(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
+    let target = path.canonicalize().unwrap_or_else(|_| path.to_owned());
+    let mut builder = tempfile::Builder::new();
+    #[cfg(unix)]
+    {
+        // Like any new file: what the user's umask leaves. Temporary ones are private otherwise.
+        use std::os::unix::fs::PermissionsExt;
+        builder.permissions(fs::Permissions::from_mode(0o666));
+    }
+    let mut file = builder.tempfile_in(folder_of(&target))?;
+    file.write_all(bytes)?;
+    file.persist(target)?;
+    Ok(())
+}
+
+fn write_in_place(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
+    let mut file = BufWriter::new(File::options().write(true).open(path)?);
+    file.write_all(bytes)?;
+    file.flush()
+}
+
+/// Pipes and devices are written to, not replaced.
+fn is_written_in_place(path: &Path) -> bool {
+    path.starts_with("/dev") || path.metadata().is_ok_and(|metadata| !metadata.is_file() && !metadata.is_dir())
+}
+
+/// Whether both names lead to one file, there or not.
+#[must_use]
+pub fn is_same_file(one: &Path, other: &Path) -> bool {
+    let resolved = |path: &Path| match (path.canonicalize(), folder_of(path).canonicalize(), path.file_name()) {
+        (Ok(path), ..) => path,
+        (_, Ok(folder), Some(name)) => folder.join(name),
+        _ => path.to_owned(),
+    };
+    resolved(one) == resolved(other)
+}
+
+fn folder_of(path: &Path) -> PathBuf {
+    match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder.to_owned(),
+        _ => PathBuf::from("."),
+    }
+}
+
+/// A PNG of `samples`, row by row from the top, those of 16 bits in the machine's byte order.
+///
+/// # Errors
+/// If they are not as many as the size asks for.
+pub fn encode_png(samples: &[u8], [width, height]: [usize; 2], kind: ExtendedColorType) -> Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    image::codecs::png::PngEncoder::new(&mut bytes).write_image(samples, width as u32, height as u32, kind)?;
+    Ok(bytes)
+}
+
+/// A grey PNG of 8 bits.
+///
+/// # Errors
+/// If the pixels are not as many as the size asks for.
+pub fn encode_grey_png(luma: &[u8], size: [usize; 2]) -> Result<Vec<u8>> {
+    encode_png(luma, size, ExtendedColorType::L8)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_suffix_tells_the_kind() {
+        assert_eq!(MapKind::of(Path::new("a/b.pfm")).unwrap(), MapKind::Pfm);
+        assert_eq!(MapKind::of(Path::new("b.PNG")).unwrap(), MapKind::KittiPng);
+        assert_eq!(MapKind::of(Path::new("b.c.ply")).unwrap(), MapKind::Ply);
+        for name in ["b", "b.jpg", ".png", "png", ""] {
+            assert!(MapKind::of(Path::new(name)).is_err(), "{name}");
+        }
+    }
+
+    #[test]
+    fn a_file_is_replaced_and_nothing_else_is_left() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("map.pfm");
+        for bytes in [&b"first"[..], b"second"] {
+            check_writable("-o", &path).unwrap();
+            write(&path, bytes).unwrap();
+            assert_eq!(fs::read(&path).unwrap(), bytes);
+        }
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+        assert!(check_writable("-o", folder.path()).is_err());
+        assert!(check_writable("-o", &folder.path().join("none/map.pfm")).is_err());
+    }
+}
