@@ -39,36 +39,26 @@ pub(crate) struct Block {
     pub(crate) sources: Sources,
 }
 
-/// The parts of a block whose features are no stronger than noise.
+/// What of a block is no stronger than noise.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub(crate) struct Floor(u8);
+pub(crate) struct Floor {
+    /// The pixels whose feature is, as bits, row by row from the upper left.
+    pub(crate) pixels: u16,
+    /// Whether the block's whole window is.
+    pub(crate) window: bool,
+    /// Verdict of the texture test; provisional until the row below is known.
+    pub(crate) blank: bool,
+}
 
 impl Floor {
-    const WHOLE: u8 = 1 << 4;
-    const BLANK: u8 = 1 << 5;
-
-    /// Bits 0 to 3 of `quarters`, upper left first, are set for the quarters at the floor.
-    pub(crate) const fn new(quarters: u8, whole: bool) -> Self {
-        Self(quarters | if whole { Self::WHOLE } else { 0 })
+    /// Whether the pixel in that column and row of the block is within the noise.
+    pub(crate) const fn has_pixel(self, column: usize, row: usize) -> bool {
+        self.pixels >> (SIZE * row + column) & 1 == 1
     }
 
-    /// Whether a quarter is within the noise.
-    pub(crate) const fn has_quarter(self, quarter: usize) -> bool {
-        self.0 >> quarter & 1 == 1
-    }
-
-    /// Whether the block's whole window is within the noise.
-    pub(crate) const fn has_whole(self) -> bool {
-        self.0 & Self::WHOLE != 0
-    }
-
-    /// Verdict of the texture test; provisional until the row below is known.
-    pub(crate) const fn is_blank(self) -> bool {
-        self.0 & Self::BLANK != 0
-    }
-
-    pub(crate) const fn set_blank(&mut self, blank: bool) {
-        self.0 = self.0 & !Self::BLANK | if blank { Self::BLANK } else { 0 };
+    /// Whether all but a stray pixel of the block itself are, whatever else its window sees.
+    pub(crate) const fn has_block(self) -> bool {
+        self.pixels.count_ones() >= 15
     }
 }
 
@@ -186,5 +176,45 @@ impl Neighbourhood<'_> {
             self.above.and_then(|blocks| blocks.get(block)?.as_ref()),
             self.below.and_then(|blocks| blocks.get(block)?.as_ref()),
         ]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_quarter_keeps_its_own_source() {
+        let mut sources = Sources::default();
+        assert_eq!([0, 1, 2, 3].map(|quarter| sources.of(quarter)), [Source::Own; 4]);
+        for (quarter, source) in [(0, Source::Above), (1, Source::Beside), (3, Source::Beside), (1, Source::Above)] {
+            sources.set(quarter, source);
+        }
+        let expected = [Source::Above, Source::Above, Source::Own, Source::Beside];
+        assert_eq!([0, 1, 2, 3].map(|quarter| sources.of(quarter)), expected);
+        sources.set(0, Source::Own);
+        assert_eq!((sources.of(0), sources.of(1)), (Source::Own, Source::Above));
+    }
+
+    #[test]
+    fn a_row_is_answered_when_the_one_below_is_there_and_the_last_one_at_the_end() {
+        // Row number `n` is marked by disparity `n` in its first block.
+        let mut rows = BlockRows::<2>::new();
+        let mark = |row: Option<&[Option<Block>]>| row.map(|row| row[0].map(|block| block.px()));
+        let answer = |rows: &mut BlockRows<2>, at_end| {
+            let found = rows.neighbourhood(1, at_end)?;
+            Some([mark(found.above), mark(Some(found.row)), mark(found.below)])
+        };
+        for frame in 0..2 {
+            assert_eq!(answer(&mut rows, true), None, "frame {frame}");
+            for n in 0..3 {
+                rows.begin(1).row[0] = Some(Block { disparity: n, ..Block::default() });
+                let before = |back: i16| (n >= back).then(|| Some(i32::from(n - back)));
+                let expected = (n > 0).then(|| [before(2), before(1), before(0)]);
+                assert_eq!(answer(&mut rows, false), expected, "row {n} of frame {frame}");
+                assert_eq!(answer(&mut rows, true), Some([before(1), before(0), None]), "row {n} of frame {frame}");
+            }
+            rows.clear();
+        }
     }
 }

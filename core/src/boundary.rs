@@ -26,7 +26,7 @@ pub(crate) fn choose_sources(
             let candidates = [(Source::Beside, beside[x]), (Source::Above, above.filter(|_| y == 0))];
             let mut best = None;
             for (source, candidate) in candidates {
-                let Some(other) = candidate.filter(|other| block.jumps_to(other) && !other.floor.is_blank()) else {
+                let Some(other) = candidate.filter(|other| block.jumps_to(other) && !other.floor.blank) else {
                     continue;
                 };
                 let cost = |block: &Block| {
@@ -45,5 +45,35 @@ pub(crate) fn choose_sources(
                 }
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Random features, one row like the other.
+    fn feature(column: usize) -> u8 {
+        u32::try_from(column).unwrap().wrapping_mul(2_654_435_761).to_be_bytes()[1] % 60
+    }
+
+    #[test]
+    fn quarters_beyond_an_edge_go_to_the_block_that_knows_their_surface() {
+        // Columns 6 and up of the view are at disparity 0, those before at 4, and the block in
+        // columns 4 to 7 took the latter.
+        const EDGE: usize = 6 + MARGIN;
+        let left: [u8; 24] = core::array::from_fn(feature);
+        let right: [u8; 24] = core::array::from_fn(|x| match x {
+            x if x >= EDGE => feature(x),
+            x if x + 4 < EDGE => feature(x + 4),
+            x => feature(x + 100),
+        });
+        let at = |disparity| Some(Block { disparity, ..Block::default() });
+        let mut row = [at(4), at(4), at(0), at(0)];
+        choose_sources(&mut row, None, &[&left[..]; ROWS], &[&right[..]; ROWS]);
+        let sources = row[1].unwrap().sources;
+        let expected = [Source::Own, Source::Beside, Source::Own, Source::Beside];
+        assert_eq!([0, 1, 2, 3].map(|quarter| sources.of(quarter)), expected);
+        assert_eq!(row[0].unwrap().sources, row[3].unwrap().sources, "no jump, nothing to choose");
     }
 }

@@ -72,3 +72,48 @@ impl Config {
         (from..from + i32::from(self.num_disparities)).contains(&disparity)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_field_is_held_to_its_range() {
+        let valid = Config { width: 320, min_disparity: 0, num_disparities: 64 };
+        let cases = [
+            (Config { width: 31, ..valid }, Err(ConfigError::Width)),
+            (Config { width: 32, num_disparities: 32, ..valid }, Ok(())),
+            (Config { width: 1280, ..valid }, Ok(())),
+            (Config { width: 1281, ..valid }, Err(ConfigError::Width)),
+            (Config { num_disparities: 0, ..valid }, Err(ConfigError::NumDisparities)),
+            (Config { num_disparities: 1, ..valid }, Ok(())),
+            (Config { num_disparities: 256, ..valid }, Ok(())),
+            (Config { num_disparities: 257, ..valid }, Err(ConfigError::NumDisparities)),
+            (Config { width: 200, num_disparities: 200, ..valid }, Ok(())),
+            (Config { width: 200, num_disparities: 201, ..valid }, Err(ConfigError::DisparitiesOverWidth)),
+            (Config { min_disparity: -129, ..valid }, Err(ConfigError::MinDisparity)),
+            (Config { min_disparity: -128, ..valid }, Ok(())),
+            (Config { min_disparity: 128, ..valid }, Ok(())),
+            (Config { min_disparity: 129, ..valid }, Err(ConfigError::MinDisparity)),
+        ];
+        for (config, expected) in cases {
+            assert_eq!(config.check(), expected, "{config:?}");
+        }
+    }
+
+    #[test]
+    fn the_default_search_is_valid_at_every_width() {
+        for width in Config::MIN_WIDTH..=Config::MAX_WIDTH {
+            assert_eq!(Config::for_width(width).check(), Ok(()), "{width}");
+        }
+        let searched = [32, 64, 65, 320, 322, 1024, 1280].map(|width| Config::for_width(width).num_disparities);
+        assert_eq!(searched, [16, 16, 32, 80, 96, 256, 256]);
+    }
+
+    #[test]
+    fn the_search_range_has_both_its_ends_and_no_more() {
+        let config = Config { width: 64, min_disparity: -3, num_disparities: 5 };
+        let found = [-4, -3, 0, 1, 2].map(|disparity| config.contains(disparity));
+        assert_eq!(found, [false, true, true, true, false]);
+    }
+}

@@ -55,7 +55,7 @@ impl<const WIDTH: usize> BlockCost<'_, WIDTH> {
     #[expect(clippy::cast_possible_truncation, reason = "at most 8 x 6")]
     pub(crate) const PIXELS: u8 = (WIDTH * ROWS) as u8;
 
-    /// What a match costs, `0..=3072`: the SAD of the windows, and a quarter of a grey level for each
+    /// What a match costs, `0..=3072`: the SAD of the windows, and a third of a grey level for each
     /// px farther than the nearest disparity, so that the nearer of two equal matches wins: a vehicle
     /// had better brake. `None` outside the search range or where a window leaves the view.
     pub(crate) fn of(&self, index: usize, disparity: i32) -> Option<i32> {
@@ -75,29 +75,28 @@ impl<const WIDTH: usize> BlockCost<'_, WIDTH> {
     pub(crate) fn examine(&self, texture: Texture, index: usize, disparity: i32, cost: i32) -> Option<Block> {
         let (left_column, right_column) = columns::<WIDTH>(index, disparity)?;
         let energies = [energy::<WIDTH>(&self.left, left_column)?, energy::<WIDTH>(&self.right, right_column)?];
-        let at_floor = texture.is_at_floor(i32::midpoint(energies[0], energies[1]), u32::from(Self::PIXELS));
         let mismatch = mismatch(cost - self.farness(disparity), energies[0] + energies[1], i32::from(Self::PIXELS));
-        let mut quarters = 0;
-        for quarter in 0..4 {
-            // The quarter's first row within the window, and its first column in the view.
-            let (row, column) = (1 + 2 * (quarter / 2), SIZE * index + MARGIN + 2 * (quarter % 2));
-            let energy = energy::<2>(self.left.get(row..row + 2)?, column)?;
-            quarters |= u8::from(texture.quarter_is_at_floor(energy)) << quarter;
+        let window = texture.is_at_floor(i32::midpoint(energies[0], energies[1]), u32::from(Self::PIXELS));
+        let mut pixels = 0;
+        // The block's own rows within the window, last one first.
+        for row in self.left[1..=SIZE].iter().rev() {
+            for &feature in row.get(SIZE * index + MARGIN..)?.first_chunk::<SIZE>()?.iter().rev() {
+                pixels = pixels << 1 | u16::from(texture.pixel_is_at_floor((i32::from(feature) - CLIP).abs()));
+            }
         }
-        let mut floor = Floor::new(quarters, at_floor);
         // Until the blocks around it are known, it speaks for itself.
-        floor.set_blank(at_floor && texture.is_blank(u16::from(mismatch), 1));
+        let blank = window && texture.is_blank(u16::from(mismatch), 1);
         Some(Block {
             disparity: i16::try_from(disparity).ok()?,
             cost: u16::try_from(cost).ok()?,
             mismatch,
-            floor,
+            floor: Floor { pixels, window, blank },
             ..Block::default()
         })
     }
 
     fn farness(&self, disparity: i32) -> i32 {
-        (i32::from(self.config.min_disparity) + i32::from(self.config.num_disparities) - 1 - disparity) / 4
+        (i32::from(self.config.min_disparity) + i32::from(self.config.num_disparities) - 1 - disparity) / 3
     }
 }
 
@@ -106,4 +105,27 @@ fn columns<const WIDTH: usize>(index: usize, disparity: i32) -> Option<(usize, u
     let left = SIZE * index + MARGIN - (WIDTH - SIZE) / 2;
     let right = i32::try_from(left).ok()? - disparity;
     Some((left, usize::try_from(right).ok()?))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_sad_is_that_of_the_two_windows_and_an_overhang_has_none() {
+        let left: [&[u8]; 2] = [&[9, 1, 2, 3], &[9, 4, 5, 6]];
+        let right: [&[u8]; 2] = [&[1, 4, 3, 9], &[4, 5, 0, 9]];
+        assert_eq!(sad::<2>(&left, &right, 1, 0), Some(2));
+        assert_eq!(sad::<3>(&left, &right, 1, 0), Some(2 + 6));
+        assert_eq!(sad::<3>(&left, &right, 2, 0), None);
+        assert_eq!(sad::<3>(&left, &right, 0, 2), None);
+    }
+
+    #[test]
+    fn the_energy_counts_both_signs_from_the_offset() {
+        let clip = u8::try_from(CLIP).unwrap();
+        let row = [clip, clip + 3, clip - 5, clip];
+        assert_eq!(energy::<2>(&[&row, &row], 1), Some(2 * (3 + 5)));
+        assert_eq!(energy::<2>(&[&row], 3), None);
+    }
 }

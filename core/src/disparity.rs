@@ -62,3 +62,23 @@ pub struct DisparityRow<'a> {
     /// Confidence of each pixel, 0 (least) to 255; 0 where the disparity is unknown.
     pub confidence: &'a [u8],
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn far_away_is_known_and_not_the_same_as_unknown() {
+        assert_eq!(Disparity::from_px(0).known(), Some(0));
+        assert_ne!(Disparity::from_px(0), Disparity::UNKNOWN);
+        assert_eq!(Disparity::UNKNOWN.known(), None);
+        assert!(!Disparity::UNKNOWN.is_known());
+    }
+
+    #[test]
+    fn every_whole_pixel_in_range_is_known_and_sixteen_steps() {
+        for px in -2047..=2047 {
+            assert_eq!(Disparity::from_px(px).known(), Some(16 * px), "{px}");
+        }
+    }
+}

@@ -23,6 +23,8 @@ const LABELS: usize = 7;
 const BIAS: Bias = Bias { near: 12, far: 50 };
 /// Price of a step and of a jump between neighbours; twice that under noise.
 const PENALTIES: Penalties = Penalties { slope: 30, jump: 350 };
+/// Blocks whose mean grey levels differ by more have a contour between them.
+const GREY_STEP: u8 = 5;
 /// Margins of a path and of a cost beyond these say no more.
 const MOST_PATH_MARGIN: i32 = 384;
 const MOST_COST_MARGIN: i32 = 240;
@@ -75,7 +77,9 @@ impl<const N: usize, const BLOCKS: usize> Matcher<FEATURE_ROWS, BLOCKS> for Agre
         let mut right = Paths::<N>::EMPTY;
         for index in (0..count).rev() {
             let (from_left, above) = (self.row[index], &mut self.above[index]);
-            let from_right = Paths::new(from_left.labels, |_, label| label.cost + row.message(&right, label.disparity));
+            let from_right = Paths::new(from_left.labels, |_, label| {
+                label.cost + row.message_along(&right, label.disparity, [index, index + 1])
+            });
             let along = Paths::new(from_left.labels, |i, label| from_left.of(i) + from_right.of(i) - label.cost);
             if let Some(block) = begun.above.as_deref_mut().and_then(|blocks| blocks.get_mut(index)) {
                 // One row late: what this row says about the one above.
@@ -134,8 +138,10 @@ impl<const N: usize, const BLOCKS: usize> Agreement<N, BLOCKS> {
     /// Adds up the paths from the left.
     fn pass_rightwards(&mut self, row: &Row<'_, BLOCKS>, count: usize) {
         let mut left = Paths::<N>::EMPTY;
-        for paths in self.row.iter_mut().take(count) {
-            *paths = Paths::new(paths.labels, |_, label| label.cost + row.message(&left, label.disparity));
+        for (index, paths) in self.row.iter_mut().enumerate().take(count) {
+            *paths = Paths::new(paths.labels, |_, label| {
+                label.cost + row.message_along(&left, label.disparity, [index, index.saturating_sub(1)])
+            });
             left = *paths;
         }
     }
@@ -162,9 +168,21 @@ impl<'a, const BLOCKS: usize> Row<'a, BLOCKS> {
         }
     }
 
-    /// A neighbour's message, or none where the agreement is left out.
+    /// The message of the block beside: surfaces may change for half the price where the grey level does.
+    fn message_along<const N: usize>(&self, from: &Paths<N>, disparity: i32, blocks: [usize; 2]) -> i32 {
+        let [a, b] = blocks.map(|index| self.stage.grey.get(index).copied().unwrap_or(0));
+        let jump = self.penalties.jump / if a.abs_diff(b) > GREY_STEP { 2 } else { 1 };
+        self.weigh(from, disparity, Penalties { jump, ..self.penalties })
+    }
+
+    /// The message of the block above or below.
     fn message<const N: usize>(&self, from: &Paths<N>, disparity: i32) -> i32 {
-        if self.stage.parts.agreement { from.message(disparity, self.penalties) } else { 0 }
+        self.weigh(from, disparity, self.penalties)
+    }
+
+    /// A message, or none where the agreement is left out.
+    fn weigh<const N: usize>(&self, from: &Paths<N>, disparity: i32, penalties: Penalties) -> i32 {
+        if self.stage.parts.agreement { from.message(disparity, penalties) } else { 0 }
     }
 
     /// Evaluates the hypotheses of a block; the greedy choice and its cost.

@@ -26,6 +26,8 @@ pub struct Stage<'a, const FEATURE_ROWS: usize, const BLOCKS: usize> {
     pub(crate) config: &'a Config,
     pub(crate) seeds: &'a Seeds<BLOCKS>,
     pub(crate) noise: Noise,
+    /// Mean grey level of each block, left view.
+    pub(crate) grey: &'a [u8; BLOCKS],
     pub(crate) texture: Texture,
     pub(crate) parts: Parts,
     pub(crate) left: &'a View<FEATURE_ROWS, BLOCKS>,

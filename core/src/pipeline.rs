@@ -49,6 +49,8 @@ pub struct Pipeline<M, const FEATURE_ROWS: usize, const BLOCKS: usize> {
     exposure: Exposure,
     noise: Noise,
     seeds: Seeds<BLOCKS>,
+    /// Mean grey level of each block of the row that is due, left view.
+    grey: [u8; BLOCKS],
     blocks: BlockRows<BLOCKS>,
     matcher: M,
     /// Rows of this frame pushed or missed so far.
@@ -95,6 +97,7 @@ where
             exposure: Exposure::new(),
             noise: Noise::default(),
             seeds: Seeds::new(),
+            grey: [0; BLOCKS],
             blocks: BlockRows::new(),
             matcher: M::default(),
             rows: 0,
@@ -132,7 +135,7 @@ where
         }
     }
 
-    /// Contours of the block row whose four smoothed rows are the newest.
+    /// Contours and grey levels of the block row whose four smoothed rows are the newest.
     fn find_contours(&mut self, width: usize) {
         let first = i64::from(self.left.smooth.len()) - 4;
         let mut sums = [[0u16; 4]; BLOCKS];
@@ -144,6 +147,11 @@ where
             let beside = usize::from(HALF_SUPPORT);
             let line = sums.get(MARGIN - beside..MARGIN + width + beside - 1).unwrap_or(&[]);
             contours.find(line, -i32::from(HALF_SUPPORT), HALF_SUPPORT, CONTOUR_THRESHOLD);
+        }
+        sum_rows(self.left.smooth.window(first), sums.as_flattened_mut());
+        for (grey, columns) in self.grey.iter_mut().zip(sums.iter().skip(MARGIN / SIZE)) {
+            let sum: u16 = columns.iter().sum(); // 16 pixels, so below 2^12
+            *grey = u8::try_from(sum / 16).unwrap_or(u8::MAX);
         }
     }
 
@@ -163,6 +171,7 @@ where
             config: &self.config,
             seeds: &self.seeds,
             noise: self.noise,
+            grey: &self.grey,
             texture: self.texture(),
             parts: self.parts,
             left: &self.left,

@@ -65,3 +65,59 @@ impl Rig {
         Depth::Millimetres(mm)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn a_rig_needs_a_focal_length_and_a_baseline() {
+        assert_eq!(Rig::new(0, 60_000), None);
+        assert_eq!(Rig::new(200 << 8, 0), None);
+        assert!(Rig::new(1, 1).is_some());
+    }
+
+    #[test]
+    fn depth_is_rounded_to_the_nearest_millimetre_and_half_ones_up() {
+        // At 1/16 px, depth is focal length x baseline / 16 000 in these units.
+        let depth = |product| Rig::new(product, 1).unwrap().depth(Disparity::from_bits(1));
+        for (product, mm) in [(7_999, 0), (8_000, 1), (16_000, 1), (23_999, 1), (24_000, 2), (24_001, 2)] {
+            assert_eq!(depth(product), Depth::Millimetres(mm), "{product}");
+        }
+    }
+
+    #[test]
+    fn depth_saturates_where_32_bits_end() {
+        let one = Disparity::from_bits(1);
+        let depth = |baseline_um| Rig::new(16_000, baseline_um).unwrap().depth(one);
+        assert_eq!(depth(u32::MAX - 1), Depth::Millimetres(u32::MAX - 1));
+        assert_eq!(depth(u32::MAX), Depth::Millimetres(u32::MAX));
+        let extreme = Rig::new(u32::MAX, u32::MAX).unwrap();
+        assert_eq!(extreme.depth(one), Depth::Millimetres(u32::MAX));
+        assert_eq!(extreme.depth(Disparity::from_bits(i16::MAX)), Depth::Millimetres(u32::MAX));
+    }
+
+    #[test]
+    fn far_behind_infinity_and_unknown_are_three_things() {
+        let depth = |bits| Rig::new(200 << 8, 60_000).unwrap().depth(Disparity::from_bits(bits));
+        assert_eq!(depth(0), Depth::Infinite);
+        assert_eq!(depth(-1), Depth::BehindInfinity);
+        assert_eq!(depth(i16::MIN + 1), Depth::BehindInfinity);
+        assert_eq!(depth(i16::MIN), Depth::Unknown);
+    }
+
+    proptest! {
+        #[test]
+        fn depth_is_the_rounded_quotient_of_any_rig_and_disparity(
+            focal_px_q8 in 1..=u32::MAX, baseline_um in 1..=u32::MAX, bits in 1..=i16::MAX, shift in 0..32_u32,
+        ) {
+            let rig = Rig::new((focal_px_q8 >> shift).max(1), baseline_um).unwrap();
+            let product = u128::from(rig.focal_px_q8) * u128::from(rig.baseline_um);
+            let divisor = 16_000 * u128::from(bits.unsigned_abs());
+            let mm = (2 * product + divisor) / (2 * divisor);
+            let expected = Depth::Millimetres(u32::try_from(mm).unwrap_or(u32::MAX));
+            prop_assert_eq!(rig.depth(Disparity::from_bits(bits)), expected);
+        }
+    }
+}

@@ -136,3 +136,36 @@ fn contour_cost(left: Contour, right: Contour, left_rows: &[&[u8]], right_rows: 
     let cost = sad::<WINDOW>(left_rows, right_rows, column(left)?, column(right)?)?;
     u16::try_from(cost).ok()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ring::MARGIN;
+
+    const WIDTH: usize = 64;
+    const BLOCKS: usize = 18;
+
+    /// Random fields of 4 px, shifted.
+    fn line(shift: usize) -> [u16; 4 * BLOCKS] {
+        core::array::from_fn(|x| {
+            let field = u32::try_from((x + shift) / 4).unwrap();
+            u16::try_from(field.wrapping_mul(2_654_435_761) >> 22).unwrap()
+        })
+    }
+
+    #[test]
+    fn contours_seen_by_both_views_seed_every_block_with_their_shift() {
+        let (left, right) = (line(0), line(3));
+        let mut seeds = Seeds::<BLOCKS>::new();
+        seeds.left.find(&left[MARGIN..][..WIDTH], 0, 2, 16);
+        seeds.right.find(&right[MARGIN..][..WIDTH], 0, 2, 16);
+        let [left, right] = [left, right].map(|line| line.map(|v| v.to_le_bytes()[0] % 60));
+        let config = Config { width: 64, min_disparity: 0, num_disparities: 16 };
+        seeds.find(&config, &[&left[..]; 3], &[&right[..]; 3]);
+        // Beyond the last contour there is none to the right, before the first none to the left.
+        for block in 3..WIDTH / 4 - 3 {
+            assert_eq!(seeds.nearest(block), (Some(3), Some(3)), "block {block}");
+        }
+        assert_eq!(seeds.nearest(BLOCKS), (None, None));
+    }
+}

@@ -39,9 +39,9 @@ impl Texture {
         energy.unsigned_abs() * 16 <= self.floor * pixels
     }
 
-    /// The same for a 2x2 quarter, where fewer pixels scatter more: a third more is allowed.
-    pub(crate) fn quarter_is_at_floor(self, energy: i32) -> bool {
-        energy.unsigned_abs() * 12 <= self.floor * 4
+    /// The same for a single pixel, which scatters more: half as much again is allowed.
+    pub(crate) fn pixel_is_at_floor(self, feature: i32) -> bool {
+        feature.unsigned_abs() * 32 <= self.floor * 3
     }
 
     /// Whether a block at the floor is blank, given the mean mismatch around it.

@@ -5,7 +5,7 @@ use std::thread::{self, ScopedJoinHandle};
 
 use anyhow::{Result, bail};
 use clap::ValueEnum;
-use haarline::{Config, ConfigError, Lite, StereoMethod, blocks_for};
+use haarline::{Config, ConfigError, Full, Lite, StereoMethod, blocks_for};
 use haarline_tests::{BlockSettings, StereoBm};
 
 /// Columns that every method here has room for.
@@ -18,6 +18,8 @@ const MAX_DISPARITIES: usize = Config::MAX_DISPARITIES as usize;
 /// A stereo method, by its name on the command line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum MethodKind {
+    /// Contour seeds, a few labels a block and their agreement: the most accurate
+    Full,
     /// Contour seeds and greedy blocks: the cheapest method that holds up under noise
     Lite,
     /// Block matching as in OpenCV's StereoBM, for reference
@@ -26,12 +28,13 @@ pub enum MethodKind {
 
 impl MethodKind {
     /// The best there is, the default of every command.
-    pub const BEST: Self = Self::Lite;
+    pub const BEST: Self = Self::Full;
 
     /// The name on the command line and in reports.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
+            Self::Full => "full",
             Self::Lite => "lite",
             Self::Block => "block",
         }
@@ -55,6 +58,7 @@ impl MethodKind {
 
     fn build_here(self, config: Config) -> Result<Box<dyn StereoMethod + Send>, ConfigError> {
         Ok(match self {
+            Self::Full => Box::new(Full::<{ blocks_for(Config::MAX_WIDTH) }>::new(config)?),
             Self::Lite => Box::new(Lite::<{ blocks_for(Config::MAX_WIDTH) }>::new(config)?),
             // Its costs take 2 bytes a column and disparity, so a small one for narrow rows.
             Self::Block if config.width <= 320 => {

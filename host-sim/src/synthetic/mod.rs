@@ -132,8 +132,8 @@ pub struct BlankScore {
 }
 
 impl Scene {
-    /// A room: a textured back, a slanted side, a blank wall with a thin post and a box before it, the floor
-    /// that comes nearer, and a ball on it.
+    /// A room: a textured back, a slanted side with a thin post before it, a blank wall from the back to the
+    /// right and the top with a box before it, the floor that comes nearer, and a ball on it.
     #[must_use]
     pub fn room(seed: u64) -> Self {
         let layer = |shape, disparity, texture| Layer { shape, disparity, texture };
@@ -144,10 +144,10 @@ impl Scene {
         let layers = vec![
             layer(Shape::Everywhere, facing(5.3), Texture::new(0, 84.0, 60.0)),
             layer(rectangle([0.0, 96.0], [18.0, 400.0]), side, Texture::new(1, 138.0, 62.0).scaled(1.2)),
-            layer(rectangle([116.0, 272.0], [34.0, 400.0]), facing(14.6), Texture::blank(176.0)),
+            layer(rectangle([112.0, 720.0], [-1.0, 400.0]), facing(14.6), Texture::blank(176.0)),
             layer(rectangle([-400.0, 720.0], [146.0, 400.0]), floor, Texture::new(3, 62.0, 60.0)),
             layer(rectangle([228.0, 292.0], [78.0, 222.0]), facing(30.4), Texture::new(4, 118.0, 90.0).scaled(1.5)),
-            layer(rectangle([172.3, 176.8], [0.0, 400.0]), facing(40.2), Texture::new(5, 52.0, 50.0)),
+            layer(rectangle([78.3, 82.8], [0.0, 400.0]), facing(40.2), Texture::new(5, 52.0, 50.0)),
             layer(Shape::Disc { centre: [104.0, 192.0], radius: 27.0 }, facing(36.7), Texture::new(6, 190.0, 64.0)),
         ];
         Self { width: 320, height: 240, num_disparities: 48, layers, noise: 1.5, seed }
