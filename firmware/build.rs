@@ -1,4 +1,4 @@
-//! Gives the linker the board's memory map. Here and not in `.cargo/config.toml`, because a
+//! Gives the linker each program's memory map. Here and not in `.cargo/config.toml`, because a
 //! `RUSTFLAGS` from outside would replace what stands there and link an empty program.
 
 use std::path::PathBuf;
@@ -9,11 +9,19 @@ fn main() {
     if env::var("CARGO_CFG_TARGET_OS").as_deref() != Ok("none") {
         return;
     }
-    let memory = PathBuf::from(env::var_os("CARGO_MANIFEST_DIR").expect("cargo sets it")).join("../memory.x");
+    let package = PathBuf::from(env::var_os("CARGO_MANIFEST_DIR").expect("cargo sets it"));
     let out = PathBuf::from(env::var_os("OUT_DIR").expect("cargo sets it"));
+    println!("cargo:rustc-link-arg-bins=--nmagic");
+
+    // The board: cortex-m-rt's `link.x` includes `memory.x`.
+    let memory = package.join("../memory.x");
     fs::copy(&memory, out.join("memory.x")).expect("memory.x lies at the root of the workspace");
     println!("cargo:rerun-if-changed={}", memory.display());
     println!("cargo:rustc-link-search={}", out.display());
-    println!("cargo:rustc-link-arg=--nmagic");
-    println!("cargo:rustc-link-arg=-Tlink.x");
+    println!("cargo:rustc-link-arg-bin=firmware=-Tlink.x");
+
+    // The emulated machine: a linker script of its own.
+    let machine = package.join("memory/mps2-an386.x");
+    println!("cargo:rerun-if-changed={}", machine.display());
+    println!("cargo:rustc-link-arg-bin=bare=-T{}", machine.display());
 }

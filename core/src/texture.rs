@@ -28,8 +28,8 @@ impl Texture {
         // Smoothed noise leaves real matches with little evidence of their own: be lenient there.
         let blank_mismatch = match noise.level {
             SmoothingLevel::Off => 50,
-            SmoothingLevel::Light | SmoothingLevel::Medium => 72,
-            SmoothingLevel::Strong => 72,
+            SmoothingLevel::Light => 63,
+            SmoothingLevel::Medium | SmoothingLevel::Strong => 72,
         };
         Self { floor: noise.feature_floor(), blank_mismatch }
     }

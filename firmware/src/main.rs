@@ -5,13 +5,10 @@
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]
-mod picture;
-
-#[cfg(target_os = "none")]
 mod chip {
-    use crate::picture::{self, HEIGHT, WIDTH};
     use core::sync::atomic::{AtomicU32, Ordering};
     use haarline::{Config, Lite, ScanlinePair, StereoMethod, blocks_for};
+    use haarline_firmware::picture::{self, HEIGHT, WIDTH};
     use panic_halt as _;
     use static_cell::StaticCell;
 

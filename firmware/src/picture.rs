@@ -9,6 +9,7 @@ const WALL_DISPARITY: u32 = 8;
 const BOX_DISPARITY: u32 = 20;
 
 /// Row `y` of the left and the right view.
+#[must_use]
 pub fn rows(y: u32) -> ([u8; WIDTH as usize], [u8; WIDTH as usize]) {
     let (mut left, mut right) = ([0; WIDTH as usize], [0; WIDTH as usize]);
     for ((x, left), right) in (0u32..).zip(&mut left).zip(&mut right) {

@@ -1,0 +1,4 @@
+//! What the programs of this package share.
+#![no_std]
+
+pub mod picture;

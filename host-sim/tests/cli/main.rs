@@ -1,0 +1,16 @@
+//! The command line as a user calls it: files in, files, figures and error lines out. What comes out is read
+//! back by readers of this test's own.
+#![expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_possible_wrap,
+    clippy::cast_sign_loss,
+    reason = "Samples of small images, in range by construction."
+)]
+
+mod bad_input;
+mod demo;
+mod depth;
+mod eval;
+mod files;
+mod scene;
+mod tool;

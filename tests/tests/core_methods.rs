@@ -1,0 +1,107 @@
+//! What holds for the methods of the core, `lite` and `full`.
+
+mod common;
+
+use common::map::{Losses, run_with_losses};
+use common::property::{cases, samples};
+use common::{Subject, all_hold};
+use haarline::{Config, ConfigError, Full, Lite, Parts, StereoMethod, blocks_for};
+use proptest::prelude::*;
+
+/// A method with room for rows of `$width` px.
+macro_rules! method {
+    ($method:ident, $width:expr, $config:expr) => {
+        Box::new($method::<{ blocks_for($width) }>::new($config).unwrap())
+    };
+}
+
+macro_rules! subject {
+    ($name:literal, $method:ident) => {
+        Subject {
+            name: $name,
+            build: |config| match config.width {
+                0..=200 => method!($method, 204, config),
+                201..=400 => method!($method, 400, config),
+                _ => method!($method, Config::MAX_WIDTH, config),
+            },
+            build_tight: |config| match config.width {
+                32 => method!($method, 32, config),
+                33 => method!($method, 33, config),
+                61 => method!($method, 61, config),
+                97 => method!($method, 97, config),
+                160 => method!($method, 160, config),
+                322 => method!($method, 322, config),
+                width => panic!("no tight capacity for {width} px"),
+            },
+            build_widest: |config| method!($method, Config::MAX_WIDTH, config),
+            latency: $method::<0>::LATENCY as usize,
+        }
+    };
+}
+
+mod lite {
+    use super::*;
+
+    const LITE: Subject = subject!("lite", Lite);
+    all_hold!(LITE);
+}
+
+mod full {
+    use super::*;
+
+    const FULL: Subject = subject!("full", Full);
+    all_hold!(FULL);
+}
+
+#[test]
+fn the_state_for_320_px_is_within_its_bounds() {
+    let (lite, full) = (size_of::<Lite<{ blocks_for(320) }>>(), size_of::<Full<{ blocks_for(320) }>>());
+    assert!(lite <= 16 * 1024, "lite: {lite} bytes");
+    assert!(full <= 24 * 1024, "full: {full} bytes");
+}
+
+#[test]
+fn a_width_over_capacity_is_refused_with_the_greatest_that_fits() {
+    type Narrow = Lite<{ blocks_for(61) }>;
+    let search = |width| Config { num_disparities: 16, ..Config::for_width(width) };
+    assert_eq!(Narrow::new(search(65)).err(), Some(ConfigError::Capacity { max_width: 64 }));
+    assert_eq!(Narrow::new(search(64)).unwrap().config(), &search(64));
+    assert_eq!(Lite::<0>::new(search(32)).err(), Some(ConfigError::Capacity { max_width: 0 }));
+}
+
+#[test]
+fn an_invalid_configuration_is_refused_whatever_the_capacity() {
+    type Narrow = Lite<{ blocks_for(32) }>;
+    let refused = |config: Config| Narrow::new(config).err();
+    let valid = Config::for_width(32);
+    assert_eq!(refused(valid), None);
+    assert_eq!(refused(Config { width: 1281, ..valid }), Some(ConfigError::Width));
+    assert_eq!(refused(Config { width: 31, ..valid }), Some(ConfigError::Width));
+    assert_eq!(refused(Config { num_disparities: 0, ..valid }), Some(ConfigError::NumDisparities));
+    assert_eq!(refused(Config { num_disparities: 33, ..valid }), Some(ConfigError::DisparitiesOverWidth));
+    assert_eq!(refused(Config { min_disparity: -129, ..valid }), Some(ConfigError::MinDisparity));
+}
+
+/// Any parts, left out or not.
+fn parts() -> impl Strategy<Value = Parts> {
+    any::<[bool; 6]>().prop_map(|[seeds, extremum, agreement, smoothing, texture, exhaustive]| Parts {
+        seeds,
+        extremum,
+        agreement,
+        smoothing,
+        texture,
+        exhaustive,
+    })
+}
+
+#[test]
+fn a_method_of_some_of_its_parts_answers_within_bounds() {
+    const BLOCKS: usize = blocks_for(200);
+    proptest!(cases(128), |(sample in samples(), parts in parts(), seed in any::<u32>())| {
+        let (frame, losses) = (sample.frame(), Losses { seed, one_in: 9 });
+        let mut lite = Lite::<BLOCKS>::with_parts(sample.config, parts).unwrap();
+        run_with_losses(&mut lite, &frame, |y| losses.has(y)).check(&sample.config);
+        let mut full = Full::<BLOCKS>::with_parts(sample.config, parts).unwrap();
+        run_with_losses(&mut full, &frame, |y| losses.has(y)).check(&sample.config);
+    });
+}
