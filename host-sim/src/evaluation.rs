@@ -4,22 +4,24 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use anyhow::{Context, Result};
+use haarline::{Config, ConfigError, StereoMethod};
 use rayon::prelude::*;
 
 use crate::baselines::{self, Baselines, Level};
 use crate::degrade::Degradation;
 use crate::disparity_map::DisparityMap;
-use crate::method::MethodKind;
 use crate::output::picture::{self, ColourRange};
 use crate::scene::Scene;
 use crate::score::Score;
 use crate::{Geometry, output, pipeline};
 
+/// Builds an instance of a method.
+pub type Build<'a> = dyn Fn(Config) -> Result<Box<dyn StereoMethod + Send>, ConfigError> + Sync + 'a;
+
 /// What is to be done with every scene.
-#[derive(Debug)]
 pub struct Evaluator<'a> {
-    /// The method to score.
-    pub method: MethodKind,
+    /// Builds the method to score.
+    pub build: &'a Build<'a>,
     /// What happens to the frames before.
     pub degradation: Degradation,
     /// OpenCV's figures, and which of them.
@@ -87,29 +89,29 @@ impl Evaluator<'_> {
     ///
     /// # Errors
     /// The first scene's in that order, if some fail.
-    pub fn run(&self, scenes: Vec<Scene>, done: impl Fn() + Sync) -> Result<Vec<SceneScore>> {
-        let score = |scene: Scene| {
-            let name = scene.name.clone();
-            let score = self.score(scene).with_context(|| format!("scene {name}"));
+    pub fn run(&self, scenes: &[Scene], done: impl Fn() + Sync) -> Result<Vec<SceneScore>> {
+        let score = |scene: &Scene| {
+            let score = self.score(scene).with_context(|| format!("scene {}", scene.name));
             done();
             score
         };
-        let scores: Vec<Result<SceneScore>> = scenes.into_par_iter().map(score).collect();
+        let scores: Vec<Result<SceneScore>> = scenes.par_iter().map(score).collect();
         scores.into_iter().collect()
     }
 
     /// Degrades, matches and scores one scene, and writes its map.
-    fn score(&self, mut scene: Scene) -> Result<SceneScore> {
-        self.degradation.apply(&scene.name, &mut scene.pair);
-        let mut method = self.method.build(scene.config())?;
-        let map = pipeline::run(&mut *method, &scene.pair)?.map;
+    fn score(&self, scene: &Scene) -> Result<SceneScore> {
+        let mut pair = scene.pair.clone();
+        self.degradation.apply(&scene.name, &mut pair);
+        let mut method = (self.build)(scene.config())?;
+        let map = pipeline::run(&mut *method, &pair)?.map;
         if let Some(folder) = self.maps {
-            write_maps(folder, &scene, &map)?;
+            write_maps(folder, scene, &map)?;
         }
-        let references = self.references(&scene);
+        let references = self.references(scene);
         let reference_density = references[0].map(|score| score.density);
         let score = Score::of(&map, &scene.truth, reference_density).context("nothing to score")?;
-        Ok(SceneScore { name: scene.name, family: scene.meta.family, score, references })
+        Ok(SceneScore { name: scene.name.clone(), family: scene.meta.family.clone(), score, references })
     }
 
     fn references(&self, scene: &Scene) -> [Option<Score>; baselines::METHODS.len()] {

@@ -40,12 +40,19 @@ impl Frame {
     /// # Errors
     /// If the file cannot be read, is no such image or has a width outside of 32 to 1280 px.
     pub fn read(path: &Path) -> Result<Self> {
-        let image = image_file::read(path)?;
+        Self::of_image(image_file::read(path)?, path)
+    }
+
+    /// The view in an image that comes from the file `path`, as [`Frame::read`].
+    ///
+    /// # Errors
+    /// If it is no such image or has a width outside of 32 to 1280 px.
+    pub fn of_image(image: DynamicImage, path: &Path) -> Result<Self> {
         let (width, height) = (image.width() as usize, image.height() as usize);
         let (min, max) = (usize::from(Config::MIN_WIDTH), usize::from(Config::MAX_WIDTH));
         ensure!(
             (min..=max).contains(&width),
-            "{}: the image is {width} px wide, where {min} to {max} px are supported: scale or crop both views",
+            "{}: the view is {width} px wide, where {min} to {max} px are supported: scale or crop both views",
             path.display()
         );
         let (luma, colour) = luma_and_colour(image).with_context(|| path.display().to_string())?;

@@ -1,12 +1,14 @@
 //! The host side of Haarline: recorded frames through the same core as on the chip, then scores and
 //! pictures.
 //!
-//! - in: [`image_file`] and [`frame`] read images, [`scene`] a benchmark scene's folder, [`synthetic`]
-//!   renders a scene with known truth, [`degrade`] makes frames worse on purpose;
-//! - through: [`method`] is the registry of the stereo methods, [`pipeline`] runs one over a frame;
+//! - in: [`image_file`] and [`frame`] read images, [`recording`] finds the frames of a recording, [`scene`]
+//!   reads a benchmark scene's folder, [`synthetic`] renders a scene with known truth, [`degrade`] makes
+//!   frames worse on purpose, [`noise`] estimates how bad they are;
+//! - through: [`method`] is the registry of the stereo methods, [`pipeline`] runs one over a frame,
+//!   [`playback`] over a recording;
 //! - out: [`disparity_map`], [`geometry`] (its depth), [`output`] (files and pictures);
 //! - judged: [`score`] and [`sparsification`], [`baselines`] (OpenCV's figures), [`evaluation`] of many
-//!   scenes, [`report`];
+//!   scenes, [`ablation`] (what the parts of a method bring), [`report`];
 //! - [`command`]: the commands of the `haarline` tool.
 #![allow(
     clippy::cast_possible_truncation,
@@ -15,6 +17,7 @@
     reason = "floating point meets pixels at every step here, and nothing of it runs on the chip"
 )]
 
+pub mod ablation;
 pub mod baselines;
 pub mod command;
 pub mod degrade;
@@ -24,8 +27,11 @@ pub mod frame;
 pub mod geometry;
 pub mod image_file;
 pub mod method;
+pub mod noise;
 pub mod output;
 pub mod pipeline;
+pub mod playback;
+pub mod recording;
 pub mod report;
 pub mod scene;
 pub mod score;

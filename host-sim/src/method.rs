@@ -11,7 +11,7 @@ use haarline_tests::{BlockSettings, StereoBm};
 /// Columns that every method here has room for.
 const MAX_WIDTH: usize = Config::MAX_WIDTH as usize;
 /// Stack for building the largest of them.
-const BUILD_STACK_BYTES: usize = 16 << 20;
+const BUILD_STACK_BYTES: usize = 64 << 20;
 /// Disparities that every method here has room for.
 const MAX_DISPARITIES: usize = Config::MAX_DISPARITIES as usize;
 
@@ -45,15 +45,7 @@ impl MethodKind {
     /// # Errors
     /// If the configuration is refused.
     pub fn build(self, config: Config) -> Result<Box<dyn StereoMethod + Send>, ConfigError> {
-        // An instance of up to 1 MB is moved into its box a few times, more than a thread's usual stack can take.
-        thread::scope(|scope| {
-            let builder = thread::Builder::new().stack_size(BUILD_STACK_BYTES);
-            match builder.spawn_scoped(scope, move || self.build_here(config)).map(ScopedJoinHandle::join) {
-                Ok(Ok(method)) => method,
-                // Without a thread to spare, or with a panic to hand on, this one has to do.
-                Ok(Err(_)) | Err(_) => self.build_here(config),
-            }
-        })
+        on_large_stack(|| self.build_here(config))
     }
 
     fn build_here(self, config: Config) -> Result<Box<dyn StereoMethod + Send>, ConfigError> {
@@ -67,6 +59,19 @@ impl MethodKind {
             Self::Block => Box::new(StereoBm::<MAX_WIDTH, MAX_DISPARITIES>::new(config, BlockSettings::default())?),
         })
     }
+}
+
+/// Builds on a large stack: an instance of up to 2 MB is moved into its box a few times, more than a
+/// thread's usual one can take.
+pub(crate) fn on_large_stack<T: Send>(build: impl Fn() -> T + Sync) -> T {
+    thread::scope(|scope| {
+        let builder = thread::Builder::new().stack_size(BUILD_STACK_BYTES);
+        match builder.spawn_scoped(scope, &build).map(ScopedJoinHandle::join) {
+            Ok(Ok(built)) => built,
+            // Without a thread to spare, or with a panic to hand on, this one has to do.
+            Ok(Err(_)) | Err(_) => build(),
+        }
+    })
 }
 
 impl fmt::Display for MethodKind {

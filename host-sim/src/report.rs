@@ -222,7 +222,7 @@ fn figures(score: &Score) -> impl Iterator<Item = String> {
     Score::FIGURES.map(|(_, figure)| format_figure(figure(score))).into_iter()
 }
 
-fn format_figure(value: Option<f64>) -> String {
+pub(crate) fn format_figure(value: Option<f64>) -> String {
     value.map_or_else(|| "-".to_owned(), |value| format!("{value:.2}"))
 }
 
@@ -230,12 +230,12 @@ fn count(scenes: usize) -> String {
     if scenes == 1 { "1 scene".to_owned() } else { format!("{scenes} scenes") }
 }
 
-fn scenes_of(scenes: usize, folder: &Path) -> String {
+pub(crate) fn scenes_of(scenes: usize, folder: &Path) -> String {
     format!("{} of {}", count(scenes), folder.display())
 }
 
 /// A table without lines: `left` columns of words, the others of numbers.
-fn table(heads: impl Into<Row>, left: usize) -> Table {
+pub(crate) fn table(heads: impl Into<Row>, left: usize) -> Table {
     let mut table = Table::new();
     table.load_style(comfy_table::presets::NOTHING).set_content_arrangement(ContentArrangement::Disabled);
     table.set_header(heads);

@@ -56,6 +56,12 @@ impl Score {
         ("auc", |score| score.auc),
     ];
 
+    /// The figure of that key; `None` if it is undefined, or if there is no such key.
+    #[must_use]
+    pub fn figure(&self, key: &str) -> Option<f64> {
+        Self::FIGURES.iter().find(|figure| figure.0 == key)?.1(self)
+    }
+
     /// Scores `map`; `None` if no pixel is scored. `reference_density` is the density, in percent of
     /// the scored pixels, at which [`Score::bad2_at_bm_density`] is taken.
     ///

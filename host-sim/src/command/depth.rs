@@ -6,9 +6,10 @@ use anyhow::{Context, Result, ensure};
 use haarline::{Config, Disparity};
 use serde::Serialize;
 
-use super::{number, print, whole_number};
+use super::shared::{MinConfidence, SearchRange};
+use super::{number, print};
 use crate::disparity_map::{DisparityMap, Spread};
-use crate::method::{MethodKind, check_config};
+use crate::method::MethodKind;
 use crate::output::picture::{self, ColourRange};
 use crate::output::{self, MapKind};
 use crate::pipeline::{self, Run};
@@ -22,12 +23,8 @@ pub(super) struct Args {
     left: PathBuf,
     /// Right view, of the same size; matching points lie in the same row, further left
     right: PathBuf,
-    /// How many whole disparities to search, 1 to 256 [default: a quarter of the width, up to a multiple of 16]
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = whole_number)]
-    num_disparities: Option<i64>,
-    /// Least disparity to search, px, -128 to 128
-    #[arg(long, value_name = "M", default_value_t = 0, allow_negative_numbers = true, value_parser = whole_number)]
-    min_disparity: i64,
+    #[command(flatten)]
+    search: SearchRange,
     /// How to match
     #[arg(long, value_enum, default_value_t = MethodKind::BEST)]
     method: MethodKind,
@@ -50,9 +47,8 @@ pub(super) struct Args {
     /// Confidence of each pixel, 0 to 255
     #[arg(long, value_name = "FILE.png")]
     confidence: Option<PathBuf>,
-    /// Makes pixels of less confidence unknown, 0 to 255
-    #[arg(long, value_name = "C", default_value_t = 0, allow_negative_numbers = true, value_parser = whole_number)]
-    min_confidence: i64,
+    #[command(flatten)]
+    min_confidence: MinConfidence,
     /// Prints the summary as JSON
     #[arg(long)]
     json: bool,
@@ -88,13 +84,10 @@ struct DepthSummary {
 impl Args {
     pub(super) fn run(self) -> Result<()> {
         let geometry = Geometry::from_options(self.focal_px, self.baseline_mm)?;
-        let min_confidence = u8::try_from(self.min_confidence);
-        let min_confidence = min_confidence
-            .ok()
-            .with_context(|| format!("--min-confidence {}: must be 0 to 255", self.min_confidence))?;
+        let min_confidence = self.min_confidence.get()?;
         let kinds = self.check_outputs(geometry.as_ref())?;
         let pair = StereoPair::read(&self.left, &self.right)?;
-        let config = self.config(pair.width() as u16)?;
+        let config = self.search.config(pair.width() as u16)?;
         let Run { mut map, elapsed } = pipeline::run(&mut *self.method.build(config)?, &pair)?;
         map.drop_below(min_confidence);
         for (path, bytes) in self.files(&kinds, &map, &pair.left, &config, geometry.as_ref())? {
@@ -134,21 +127,6 @@ impl Args {
     fn pictures(&self) -> impl Iterator<Item = (&'static str, &Path)> {
         let named = [("--picture", &self.picture), ("--grey", &self.grey), ("--confidence", &self.confidence)];
         named.into_iter().filter_map(|(option, path)| Some((option, path.as_deref()?)))
-    }
-
-    fn config(&self, width: u16) -> Result<Config> {
-        let default = Config::for_width(width);
-        let asked = self.num_disparities.unwrap_or_else(|| default.num_disparities.into());
-        let num_disparities = u16::try_from(asked);
-        let num_disparities =
-            num_disparities.ok().with_context(|| format!("--num-disparities {asked}: must be 1 to 256"))?;
-        let asked = self.min_disparity;
-        let min_disparity = i16::try_from(asked);
-        let min_disparity =
-            min_disparity.ok().with_context(|| format!("--min-disparity {asked}: must be -128 to 128 px"))?;
-        let config = Config { width, min_disparity, num_disparities };
-        check_config(&config, "--num-disparities")?;
-        Ok(config)
     }
 
     /// Every file's content, before the first one is written.

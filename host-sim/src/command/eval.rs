@@ -4,25 +4,23 @@ use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use anyhow::{Result, bail, ensure};
-use indicatif::{ProgressBar, ProgressStyle};
 
-use super::{OverLimit, natural_number, number, print};
+use super::shared::{Benchmark, progress};
+use super::{Finding, natural_number, number, print};
 use crate::baselines::{Baselines, Level};
 use crate::degrade::Degradation;
 use crate::evaluation::{self, Evaluator, Mean, SceneScore};
 use crate::method::MethodKind;
 use crate::output;
 use crate::report::Report;
-use crate::scene::{Scene, find_scenes};
+use crate::scene::Scene;
 use crate::score::{Figure, Score};
 
 /// Arguments of `haarline eval`.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
-    /// Folder of scene folders, each with left.png, right.png, truth.png, nonocc.png and meta.json; or
-    /// one scene folder
-    #[arg(value_name = "SCENES_DIR")]
-    scenes: PathBuf,
+    #[command(flatten)]
+    benchmark: Benchmark,
     /// Which method to score
     #[arg(long, value_enum, default_value_t = MethodKind::BEST)]
     method: MethodKind,
@@ -41,12 +39,6 @@ pub(super) struct Args {
     /// Seed of the noise
     #[arg(long, value_name = "S", default_value_t = 0, allow_negative_numbers = true, value_parser = natural_number)]
     seed: u64,
-    /// Only these scenes
-    #[arg(long, value_name = "A,B,...", value_delimiter = ',')]
-    only: Vec<String>,
-    /// OpenCV's figures [default: baselines.json in the scenes' folder or in one of the two above it]
-    #[arg(long, value_name = "FILE")]
-    baselines: Option<PathBuf>,
     /// Writes everything as JSON; - is the standard output, instead of the tables
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
@@ -83,18 +75,18 @@ impl FromStr for Limit {
 impl Args {
     pub(super) fn run(self) -> Result<()> {
         let degradation = self.degradation()?;
-        let folders = self.choose(find_scenes(&self.scenes)?)?;
+        let folders = self.benchmark.folders()?;
         self.check_outputs()?;
         let scenes = evaluation::load(&folders)?;
-        let baselines = self.read_baselines()?;
+        let baselines = self.benchmark.read_baselines()?;
         let widest = scenes.iter().map(|scene| scene.pair.width()).max().unwrap_or(0);
         let level = baselines.as_ref().map(|baselines| baselines.level(widest, &degradation));
         let baselines = baselines.as_ref().zip(level.as_ref());
-        let scores = self.evaluate(scenes, degradation, baselines)?;
-        let Some(mean) = Mean::of(scores.iter()) else { bail!("{}: no scene in it", self.scenes.display()) };
+        let scores = self.evaluate(&scenes, degradation, baselines)?;
+        let Some(mean) = Mean::of(scores.iter()) else { bail!("{}: no scene in it", self.benchmark.scenes.display()) };
         let report = Report {
             method: self.method.name(),
-            folder: &self.scenes,
+            folder: &self.benchmark.scenes,
             degradation,
             baselines,
             scenes: &scores,
@@ -115,21 +107,6 @@ impl Args {
         Ok(Degradation { noise, gain, offset, both_gain, seed })
     }
 
-    /// The folders that `--only` names, or all.
-    fn choose(&self, folders: Vec<PathBuf>) -> Result<Vec<PathBuf>> {
-        let name = |folder: &Path| folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        for wanted in &self.only {
-            ensure!(
-                folders.iter().any(|folder| name(folder) == *wanted),
-                "--only: there is no scene {wanted:?} in {}, which has {}",
-                self.scenes.display(),
-                list(folders.iter().map(|folder| name(folder)))
-            );
-        }
-        let is_wanted = |folder: &PathBuf| self.only.is_empty() || self.only.contains(&name(folder));
-        Ok(folders.into_iter().filter(is_wanted).collect())
-    }
-
     fn check_outputs(&self) -> Result<()> {
         if let Some(path) = self.json_file() {
             output::check_writable("--json", path)?;
@@ -145,21 +122,15 @@ impl Args {
         self.json.as_deref().filter(|path| *path != Path::new("-"))
     }
 
-    fn read_baselines(&self) -> Result<Option<Baselines>> {
-        let found = || Baselines::find(&self.scenes);
-        self.baselines.clone().or_else(found).map(|path| Baselines::read(&path)).transpose()
-    }
-
     fn evaluate(
         &self,
-        scenes: Vec<Scene>,
+        scenes: &[Scene],
         degradation: Degradation,
         baselines: Option<(&Baselines, &Level)>,
     ) -> Result<Vec<SceneScore>> {
-        let evaluator = Evaluator { method: self.method, degradation, baselines, maps: self.output.as_deref() };
-        // Shown only where the standard error is a terminal.
-        let style = ProgressStyle::with_template("{bar:40} {pos}/{len} scenes")?;
-        let progress = ProgressBar::new(scenes.len() as u64).with_style(style);
+        let build = |config| self.method.build(config);
+        let evaluator = Evaluator { build: &build, degradation, baselines, maps: self.output.as_deref() };
+        let progress = progress(scenes.len(), "scenes")?;
         let scores = evaluator.run(scenes, || progress.inc(1));
         progress.finish_and_clear();
         scores
@@ -174,14 +145,6 @@ impl Args {
     }
 }
 
-/// The first names, and how many more there are.
-fn list(names: impl ExactSizeIterator<Item = String>) -> String {
-    const SHOWN: usize = 8;
-    let more = names.len().saturating_sub(SHOWN);
-    let shown = names.take(SHOWN).collect::<Vec<_>>().join(", ");
-    if more > 0 { format!("{shown} and {more} more") } else { shown }
-}
-
 /// Refuses a mean with a figure over its limit, or without a figure that is limited.
 fn check_limits(limits: &[Limit], mean: &Score) -> Result<()> {
     let mut over = Vec::new();
@@ -192,7 +155,7 @@ fn check_limits(limits: &[Limit], mean: &Score) -> Result<()> {
             None => over.push(format!("{key} is undefined, where at most {most} is asked for")),
         }
     }
-    ensure!(over.is_empty(), OverLimit(format!("--fail-over: in the mean {}", over.join(", "))));
+    ensure!(over.is_empty(), Finding(format!("--fail-over: in the mean {}", over.join(", "))));
     Ok(())
 }
 
@@ -210,7 +173,7 @@ mod tests {
         let limits = |text: &str| vec![text.parse::<Limit>().unwrap()];
         assert!(check_limits(&limits("tot2=9.5"), &score(9.5)).is_ok());
         let error = check_limits(&limits("tot2=9.5"), &score(9.501)).unwrap_err();
-        assert!(error.is::<OverLimit>());
+        assert!(error.is::<Finding>());
         assert!(check_limits(&limits("bad2=9.5"), &score(1.0)).is_err(), "undefined is no pass");
     }
 

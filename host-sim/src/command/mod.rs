@@ -1,8 +1,11 @@
 //! The commands of the tool, and what they share: how they end and how they print.
 
+mod ablate;
 mod demo;
 mod depth;
 mod eval;
+mod play;
+mod shared;
 
 use std::ffi::OsString;
 use std::io::{self, ErrorKind, Write};
@@ -13,8 +16,8 @@ use clap::{Parser, Subcommand, error};
 
 /// Exit status of wrong input: files, options, anything the user can put right.
 const STATUS_INPUT: u8 = 2;
-/// Exit status of a figure over its limit (`--fail-over`).
-const STATUS_OVER_LIMIT: u8 = 1;
+/// Exit status of a run that came to its end and found something wrong.
+const STATUS_FINDING: u8 = 1;
 
 /// Stereo depth by Haar contours and extremum search, on recorded frames: the same core as on the chip
 #[derive(Debug, Parser)]
@@ -32,6 +35,10 @@ enum Command {
     Eval(eval::Args),
     /// Renders a scene with known truth and shows what the core makes of it
     Demo(demo::Args),
+    /// A whole recording in, disparity maps and pictures out, frame by frame
+    Play(play::Args),
+    /// Scores the method full without one of its parts each: what every part brings
+    Ablate(ablate::Args),
 }
 
 /// How a command ends when it does not succeed.
@@ -45,22 +52,22 @@ pub struct Failure {
 
 impl From<anyhow::Error> for Failure {
     fn from(error: anyhow::Error) -> Self {
-        let status = if error.is::<OverLimit>() { STATUS_OVER_LIMIT } else { STATUS_INPUT };
+        let status = if error.is::<Finding>() { STATUS_FINDING } else { STATUS_INPUT };
         Self { line: one_line(&format!("{error:#}")), status }
     }
 }
 
-/// A figure is over the limit that the user gave.
+/// What a complete run found wrong: a figure over its limit (`--fail-over`), damaged frames.
 #[derive(Debug)]
-struct OverLimit(String);
+struct Finding(String);
 
-impl fmt::Display for OverLimit {
+impl fmt::Display for Finding {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.0)
     }
 }
 
-impl std::error::Error for OverLimit {}
+impl std::error::Error for Finding {}
 
 impl Cli {
     /// Reads the process's arguments. Help and version are printed and end the process.
@@ -84,12 +91,14 @@ impl Cli {
     /// Runs the command.
     ///
     /// # Errors
-    /// If the input is wrong, or a figure is over its limit.
+    /// If the input is wrong, or the run found something wrong.
     pub fn run(self) -> Result<(), Failure> {
         match self.command {
             Command::Depth(args) => args.run()?,
             Command::Eval(args) => args.run()?,
             Command::Demo(args) => args.run()?,
+            Command::Play(args) => args.run()?,
+            Command::Ablate(args) => args.run()?,
         }
         Ok(())
     }
@@ -98,7 +107,7 @@ impl Cli {
 /// clap's message in one line, without the usage.
 fn condense(error: &error::Error) -> String {
     if error.kind() == error::ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
-        return "a command is missing: depth, eval or demo; haarline --help tells more".to_owned();
+        return "a command is missing: depth, eval, demo, play or ablate; haarline --help tells more".to_owned();
     }
     let text = error.to_string();
     let lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
@@ -162,6 +171,11 @@ mod tests {
             ("haarline eval d --method best", "lite"),
             ("haarline eval d --fail-over tot2", "KEY=VALUE"),
             ("haarline eval d --fail-over tot9=3", "tot9"),
+            ("haarline play r", "--output"),
+            ("haarline play r -o d --frames 5", "A..B"),
+            ("haarline play r -o d --frames -1..3", "counted from 0"),
+            ("haarline play r -o d --layout side", "side-by-side"),
+            ("haarline ablate d --noise 0,x", "--noise"),
         ];
         for (line, wanted) in cases {
             let told = refused(line);

@@ -29,6 +29,13 @@ impl ColourRange {
         Self { min_px, max_px: max_px.max(min_px + 1.0) }
     }
 
+    /// Spans what is searched, whatever is found.
+    #[must_use]
+    pub fn of_search(config: &Config) -> Self {
+        let min_px = f64::from(config.min_disparity);
+        Self { min_px, max_px: min_px + f64::from(config.num_disparities.saturating_sub(1).max(1)) }
+    }
+
     /// The colour of a disparity: from blue for far to red for near. No grey is among them.
     pub(super) fn colour(&self, disparity_px: f64) -> Rgb<u8> {
         let place = (disparity_px - self.min_px) / (self.max_px - self.min_px);

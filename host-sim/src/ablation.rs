@@ -1,0 +1,281 @@
+//! What each part of the method `full` brings: the same scenes without one part each.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use anyhow::{Context, Result};
+use comfy_table::Table;
+use haarline::full::Exhaustive;
+use haarline::{Config, ConfigError, Full, Parts, StereoMethod, blocks_for};
+use serde::Serialize;
+
+use crate::baselines::Baselines;
+use crate::degrade::Degradation;
+use crate::evaluation::{Evaluator, Mean};
+use crate::method::{MethodKind, on_large_stack};
+use crate::report::{self, format_figure};
+use crate::scene::Scene;
+use crate::score::Score;
+
+/// Blocks for the widest rows.
+const BLOCKS: usize = blocks_for(Config::MAX_WIDTH);
+
+/// A method, or what is left of one.
+#[derive(Debug, Clone, Copy)]
+pub struct Variant {
+    /// Its name in tables and files.
+    pub name: &'static str,
+    kind: Kind,
+}
+
+#[derive(Debug, Clone, Copy)]
+enum Kind {
+    Full(Parts),
+    Exhaustive,
+    Other(MethodKind),
+}
+
+impl Variant {
+    /// All of them, the whole method first.
+    pub const ALL: [Self; 9] = [
+        Self { name: "full", kind: Kind::Full(Parts::ALL) },
+        Self { name: "without seeds", kind: Kind::Full(Parts { seeds: false, ..Parts::ALL }) },
+        Self { name: "without extremum step", kind: Kind::Full(Parts { extremum: false, ..Parts::ALL }) },
+        Self { name: "without agreement", kind: Kind::Full(Parts { agreement: false, ..Parts::ALL }) },
+        Self { name: "without smoothing", kind: Kind::Full(Parts { smoothing: false, ..Parts::ALL }) },
+        Self { name: "without texture test", kind: Kind::Full(Parts { texture: false, ..Parts::ALL }) },
+        Self { name: "exhaustive search", kind: Kind::Exhaustive },
+        Self { name: "lite", kind: Kind::Other(MethodKind::Lite) },
+        Self { name: "block", kind: Kind::Other(MethodKind::Block) },
+    ];
+
+    /// An instance for rows of up to [`Config::MAX_WIDTH`] px.
+    ///
+    /// # Errors
+    /// If the configuration is refused.
+    pub fn build(self, config: Config) -> Result<Box<dyn StereoMethod + Send>, ConfigError> {
+        type Built = Result<Box<dyn StereoMethod + Send>, ConfigError>;
+        match self.kind {
+            Kind::Full(parts) => {
+                on_large_stack(|| -> Built { Ok(Box::new(Full::<BLOCKS>::with_parts(config, parts)?)) })
+            }
+            Kind::Exhaustive => on_large_stack(|| -> Built {
+                let parts = Parts { exhaustive: true, ..Parts::ALL };
+                Ok(Box::new(Exhaustive::<BLOCKS>::with_parts(config, parts)?))
+            }),
+            Kind::Other(method) => method.build(config),
+        }
+    }
+
+    /// Whether the core counts what it does: all methods but the one for reference.
+    fn is_counted(self) -> bool {
+        !matches!(self.kind, Kind::Other(MethodKind::Block))
+    }
+}
+
+/// What the core did for a pixel, in the mean.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Cost {
+    /// Comparisons of four pixels with four others.
+    pub sad_words_per_pixel: f64,
+    /// Labels compared with one of a neighbour's.
+    pub label_pairs_per_pixel: f64,
+}
+
+/// A variant at one level of noise.
+#[derive(Debug, Clone, Serialize)]
+pub struct Trial {
+    /// The variant's name.
+    pub variant: &'static str,
+    /// Standard deviation of the noise, grey levels.
+    pub noise: f64,
+    /// The mean over the scenes.
+    pub mean: Score,
+    /// What it took; `None` where that is not counted.
+    pub cost: Option<Cost>,
+    /// Each scene's score.
+    pub scenes: BTreeMap<String, Score>,
+}
+
+/// What is to be tried.
+pub struct Ablation<'a> {
+    /// The scenes, sorted by name.
+    pub scenes: &'a [Scene],
+    /// OpenCV's figures, of which StereoBM's density is used.
+    pub baselines: Option<&'a Baselines>,
+    /// Seed of the noise.
+    pub seed: u64,
+}
+
+impl Ablation<'_> {
+    /// Tries a variant on all scenes; `done` is called after each.
+    ///
+    /// # Errors
+    /// The first scene's in their order, if some fail.
+    pub fn try_out(&self, variant: Variant, noise: f64, done: impl Fn() + Sync + Send) -> Result<Trial> {
+        let degradation = Degradation { noise, seed: self.seed, ..Default::default() };
+        let widest = self.scenes.iter().map(|scene| scene.pair.width()).max().unwrap_or(0);
+        let level = self.baselines.map(|baselines| baselines.level(widest, &degradation));
+        let baselines = self.baselines.zip(level.as_ref());
+        let build = |config| variant.build(config);
+        let evaluator = Evaluator { build: &build, degradation, baselines, maps: None };
+        let (scores, counts) = counter::count(|| evaluator.run(self.scenes, done))?;
+        let scores = scores?;
+        let mean = Mean::of(scores.iter()).context("no scene")?.score;
+        let pixels: usize = self.scenes.iter().map(|scene| scene.pair.left.luma.len()).sum();
+        let per_pixel = |count: u64| count as f64 / pixels as f64;
+        let cost = counts.filter(|_| variant.is_counted()).map(|[words, pairs]| Cost {
+            sad_words_per_pixel: per_pixel(words),
+            label_pairs_per_pixel: per_pixel(pairs),
+        });
+        let scenes = scores.into_iter().map(|scene| (scene.name, scene.score)).collect();
+        Ok(Trial { variant: variant.name, noise, mean, cost, scenes })
+    }
+}
+
+/// The core's counters, where they are built in.
+mod counter {
+    use anyhow::Result;
+
+    /// What `work` returns, and the SAD words and label pairs meanwhile. The counters are of the
+    /// process, so everything runs in one thread.
+    #[cfg(feature = "count")]
+    pub(super) fn count<T: Send>(work: impl FnOnce() -> T + Send) -> Result<(T, Option<[u64; 2]>)> {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
+        haarline::count::take();
+        let result = pool.install(work);
+        let counts = haarline::count::take();
+        Ok((result, Some([counts.sad_words, counts.label_pairs])))
+    }
+
+    /// What `work` returns; nothing is counted.
+    #[cfg(not(feature = "count"))]
+    #[expect(clippy::unnecessary_wraps, reason = "the same signature as with the counters")]
+    pub(super) fn count<T>(work: impl FnOnce() -> T) -> Result<(T, Option<[u64; 2]>)> {
+        Ok((work(), None))
+    }
+}
+
+/// Heads of the figures of [`Score`] in the table, by their keys.
+const FIGURES: [(&str, &str); 7] = [
+    ("density", "density"),
+    ("bad2", "bad2"),
+    ("tot1", "tot1"),
+    ("tot2", "tot2"),
+    ("epe", "epe"),
+    ("bad2_at_bm_density", "bad2@BM"),
+    ("auc", "auc"),
+];
+
+/// The trials as text, a table for each level of noise.
+#[must_use]
+pub fn text(trials: &[Trial], scenes: usize, folder: &Path, seed: u64) -> String {
+    let mut text = report::scenes_of(scenes, folder) + "\n";
+    for group in trials.chunk_by(|one, other| one.noise == other.noise) {
+        let what = report::describe(&Degradation { noise: group[0].noise, seed, ..Default::default() });
+        text += &format!("\n{what}\n{}\n", table(group).trim_fmt());
+    }
+    text += LEGEND;
+    if trials.iter().all(|trial| trial.cost.is_none()) {
+        text += HOW_TO_COUNT;
+    }
+    text
+}
+
+fn table(trials: &[Trial]) -> Table {
+    let heads = ["variant"].into_iter().chain(FIGURES.map(|(_, head)| head));
+    let heads = heads.chain(["tot2 - full's", "SAD words", "label pairs"]);
+    let mut table = report::table(heads.collect::<Vec<_>>(), 1);
+    for trial in trials {
+        let mut cells = vec![trial.variant.to_owned()];
+        cells.extend(FIGURES.map(|(key, _)| format_figure(trial.mean.figure(key))));
+        let difference = trial.mean.tot2 - trials[0].mean.tot2;
+        cells.push(if trial.variant == trials[0].variant { String::new() } else { format!("{difference:+.2}") });
+        cells.push(format_figure(trial.cost.map(|cost| cost.sad_words_per_pixel)));
+        cells.push(format_figure(trial.cost.map(|cost| cost.label_pairs_per_pixel)));
+        table.add_row(cells);
+    }
+    table
+}
+
+const LEGEND: &str = "
+density: answered, % of the scored pixels. bad2: off by more than 2 px, % of the answered. tot1, tot2: off by
+more than 1, 2 px or unanswered, % of the scored. epe: mean error of the answered, px. bad2@BM: bad2 of the most
+confident answers, as many as StereoBM 9 gives. auc: area under the curve of bad2 over the share of answers kept.
+SAD words, label pairs: comparisons of four pixels with four others, and of a label with a neighbour's, per pixel.
+without seeds: hypotheses from neighbours, and all disparities in the first block row. exhaustive search: all
+disparities in every block, with the same agreement: an upper bound of what better hypotheses could bring. The
+texture test makes walls without texture unknown; wherever the truth is known, that counts as bad in tot1 and tot2.
+";
+
+const HOW_TO_COUNT: &str = "
+SAD words and label pairs are counted by a build with the feature count, which makes every method slower:
+  cargo run --release -p haarline-sim --features count -- ablate ...
+";
+
+/// The trials as CSV, one a row.
+///
+/// # Errors
+/// Never for finite figures.
+pub fn encode_csv(trials: &[Trial]) -> Result<Vec<u8>> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    let heads = ["variant", "noise", "scenes"].into_iter().chain(Score::FIGURES.map(|(key, _)| key));
+    writer.write_record(heads.chain(["sad_words_per_pixel", "label_pairs_per_pixel"]))?;
+    for trial in trials {
+        let cell = |value: Option<f64>| value.map(|value| format!("{value:.4}")).unwrap_or_default();
+        let mut cells = vec![trial.variant.to_owned(), trial.noise.to_string(), trial.scenes.len().to_string()];
+        cells.extend(Score::FIGURES.map(|(_, figure)| cell(figure(&trial.mean))));
+        cells.push(cell(trial.cost.map(|cost| cost.sad_words_per_pixel)));
+        cells.push(cell(trial.cost.map(|cost| cost.label_pairs_per_pixel)));
+        writer.write_record(cells)?;
+    }
+    writer.into_inner().context("the CSV")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn trial(variant: &'static str, noise: f64, tot2: f64) -> Trial {
+        let (bad1, bad2, epe, bad2_at_bm_density, auc) = (None, Some(1.5), None, None, None);
+        let mean = Score { density: 90.0, bad1, bad2, tot1: 20.0, tot2, epe, bad2_at_bm_density, auc };
+        let cost = (variant == "full").then_some(Cost { sad_words_per_pixel: 2.25, label_pairs_per_pixel: 3.0 });
+        Trial { variant, noise, mean, cost, scenes: BTreeMap::from([("aloe".to_owned(), mean)]) }
+    }
+
+    fn trials() -> Vec<Trial> {
+        vec![trial("full", 0.0, 8.0), trial("block", 0.0, 18.5), trial("full", 10.0, 16.0), trial("block", 10.0, 12.0)]
+    }
+
+    #[test]
+    fn every_variant_takes_the_largest_configuration() {
+        let config = Config { width: Config::MAX_WIDTH, min_disparity: 0, num_disparities: Config::MAX_DISPARITIES };
+        for variant in Variant::ALL {
+            assert!(variant.build(config).is_ok(), "{}", variant.name);
+        }
+    }
+
+    #[test]
+    fn each_level_of_noise_is_compared_with_its_own_first_row() {
+        let text = text(&trials(), 1, Path::new("scenes"), 0);
+        assert!(text.contains("clean frames") && text.contains("noise 10 (seed 0)"), "{text}");
+        assert!(text.contains("+10.50") && text.contains("-4.00") && text.contains("2.25"), "{text}");
+        assert!(!text.contains("--features"), "{text}");
+        let uncounted: Vec<Trial> = trials().into_iter().map(|trial| Trial { cost: None, ..trial }).collect();
+        assert!(super::text(&uncounted, 1, Path::new("scenes"), 0).contains("--features count"));
+    }
+
+    #[test]
+    fn csv_has_a_row_for_each_trial() {
+        let csv = String::from_utf8(encode_csv(&trials()).unwrap()).unwrap();
+        let lines: Vec<&str> = csv.lines().collect();
+        assert_eq!(lines.len(), 5);
+        assert_eq!(
+            lines[0],
+            "variant,noise,scenes,density,bad1,bad2,tot1,tot2,epe,bad2_at_bm_density,auc,\
+             sad_words_per_pixel,label_pairs_per_pixel"
+        );
+        assert_eq!(lines[3], "full,10,1,90.0000,,1.5000,20.0000,16.0000,,,,2.2500,3.0000");
+        assert_eq!(lines[4], "block,10,1,90.0000,,1.5000,20.0000,12.0000,,,,,");
+    }
+}

@@ -1,0 +1,100 @@
+//! `haarline ablate`: what each part of `full` brings, on scenes with known truth.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Result, ensure};
+use serde::Serialize;
+
+use super::shared::{Benchmark, progress};
+use super::{natural_number, number, print};
+use crate::ablation::{self, Ablation, Trial, Variant};
+use crate::{evaluation, output};
+
+/// Arguments of `haarline ablate`.
+#[derive(Debug, clap::Args)]
+pub(super) struct Args {
+    #[command(flatten)]
+    benchmark: Benchmark,
+    /// Levels of Gaussian noise added to both views, a table for each: standard deviations, grey levels
+    #[arg(
+        long,
+        value_name = "SIGMA,...",
+        default_value = "0,10",
+        value_delimiter = ',',
+        allow_negative_numbers = true,
+        value_parser = number
+    )]
+    noise: Vec<f64>,
+    /// Seed of the noise
+    #[arg(long, value_name = "S", default_value_t = 0, allow_negative_numbers = true, value_parser = natural_number)]
+    seed: u64,
+    /// Writes everything as JSON, each scene's score included; - is the standard output, instead of the tables
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    /// Writes the tables as CSV
+    #[arg(long, value_name = "FILE")]
+    csv: Option<PathBuf>,
+}
+
+#[derive(Serialize)]
+struct Json<'a> {
+    seed: u64,
+    scenes: usize,
+    baselines: Option<&'a Path>,
+    trials: &'a [Trial],
+}
+
+impl Args {
+    pub(super) fn run(self) -> Result<()> {
+        for (index, noise) in self.noise.iter().enumerate() {
+            ensure!((0.0..=255.0).contains(noise), "--noise {noise}: must be 0 to 255");
+            ensure!(!self.noise[..index].contains(noise), "--noise {noise}: is given twice");
+        }
+        let folders = self.benchmark.folders()?;
+        self.check_outputs()?;
+        let scenes = evaluation::load(&folders)?;
+        let baselines = self.benchmark.read_baselines()?;
+        let ablation = Ablation { scenes: &scenes, baselines: baselines.as_ref(), seed: self.seed };
+        let trials = self.try_all(&ablation)?;
+        let baselines = baselines.as_ref().map(|baselines| baselines.path.as_path());
+        let json = Json { seed: self.seed, scenes: scenes.len(), baselines, trials: &trials };
+        self.deliver(&json)
+    }
+
+    fn check_outputs(&self) -> Result<()> {
+        let files = [("--json", self.json_file()), ("--csv", self.csv.as_deref())];
+        for (option, path) in files {
+            path.map_or(Ok(()), |path| output::check_writable(option, path))?;
+        }
+        if let [(_, Some(json)), (_, Some(csv))] = files {
+            ensure!(!output::is_same_file(json, csv), "--csv {}: the name is given twice", csv.display());
+        }
+        Ok(())
+    }
+
+    /// The JSON's file, if it does not go to the standard output.
+    fn json_file(&self) -> Option<&Path> {
+        self.json.as_deref().filter(|path| *path != Path::new("-"))
+    }
+
+    fn try_all(&self, ablation: &Ablation<'_>) -> Result<Vec<Trial>> {
+        let bar = progress(self.noise.len() * Variant::ALL.len() * ablation.scenes.len(), "scenes")?;
+        let all = self.noise.iter().flat_map(|&noise| Variant::ALL.map(|variant| (variant, noise)));
+        let trials = all.map(|(variant, noise)| ablation.try_out(variant, noise, || bar.inc(1))).collect();
+        bar.finish_and_clear();
+        trials
+    }
+
+    fn deliver(&self, json: &Json<'_>) -> Result<()> {
+        if let Some(path) = &self.csv {
+            output::write(path, &ablation::encode_csv(json.trials)?)?;
+        }
+        let encode = || serde_json::to_string_pretty(json).map(|text| text + "\n");
+        match (&self.json, self.json_file()) {
+            (Some(_), None) => return print(&encode()?),
+            (_, Some(path)) => output::write(path, encode()?.as_bytes())?,
+            (None, None) => {}
+        }
+        print(&ablation::text(json.trials, json.scenes, &self.benchmark.scenes, self.seed))
+    }
+}

@@ -1,0 +1,243 @@
+//! `haarline play`: a whole recording in, its disparities out, frame by frame.
+
+use std::fmt::Write as _;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail, ensure};
+use clap::ValueEnum;
+use haarline::Config;
+use serde::Serialize;
+
+use super::shared::{MinConfidence, SearchRange, progress};
+use super::{Finding, print, whole_number};
+use crate::method::MethodKind;
+use crate::output;
+use crate::playback::{FrameReport, Player, encode_csv, report_damaged};
+use crate::recording::{FrameRange, Layout, RecordedFrame, Side, find_frames};
+
+/// Arguments of `haarline play`.
+#[derive(Debug, clap::Args)]
+pub(super) struct Args {
+    /// Folder with the folders left and right, whose images belong together by name, or in their order
+    /// where no name is in both; or folder of images with both views (--layout side-by-side)
+    recording: PathBuf,
+    /// Where everything goes: <frame>.pfm, <frame>_picture.png (the same colours in all of them: the
+    /// searched range), frames.csv
+    #[arg(short, long = "output", value_name = "DIR")]
+    output: PathBuf,
+    /// How the views are stored
+    #[arg(long, value_enum, default_value_t = LayoutKind::Folders)]
+    layout: LayoutKind,
+    /// Which camera the left half of a side-by-side frame belongs to
+    #[arg(long, value_enum, value_name = "CAMERA")]
+    first: Option<Side>,
+    #[command(flatten)]
+    search: SearchRange,
+    /// How to match
+    #[arg(long, value_enum, default_value_t = MethodKind::BEST)]
+    method: MethodKind,
+    /// Only these frames, counted from 0 in the order of their names: A..B without B, A.. or ..B
+    #[arg(long, value_name = "A..B", allow_hyphen_values = true)]
+    frames: Option<FrameRange>,
+    /// Only every K-th of them
+    #[arg(long, value_name = "K", default_value_t = 1, allow_negative_numbers = true, value_parser = whole_number)]
+    every: i64,
+    #[command(flatten)]
+    min_confidence: MinConfidence,
+    /// Prints the summary as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// How the two views are stored.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum LayoutKind {
+    /// In the folders left and right
+    Folders,
+    /// Both in each image, side by side; needs --first
+    SideBySide,
+}
+
+/// What is told about a recording.
+#[derive(Debug, Serialize)]
+struct Summary<'a> {
+    recording: &'a Path,
+    folder: &'a Path,
+    method: &'static str,
+    width: Option<u16>,
+    height: Option<usize>,
+    min_disparity: Option<i16>,
+    num_disparities: Option<u16>,
+    recorded: usize,
+    frames: usize,
+    damaged: usize,
+    mean_density: Option<f64>,
+    median_disparity_px: Option<f64>,
+    mean_noise: Option<f64>,
+    mean_milliseconds: Option<f64>,
+    damaged_frames: Vec<&'a FrameReport>,
+}
+
+impl Args {
+    pub(super) fn run(self) -> Result<()> {
+        let layout = self.layout()?;
+        let min_confidence = self.min_confidence.get()?;
+        // Whatever the width will be.
+        self.search.config(Config::MAX_WIDTH)?;
+        let step = usize::try_from(self.every).ok().filter(|&step| step > 0);
+        let step = step.with_context(|| format!("--every {}: must be 1 or more", self.every))?;
+        let frames = find_frames(&self.recording, layout)?;
+        let recorded = frames.len();
+        let range = self.frames.unwrap_or_default();
+        let frames = range.choose(frames, step);
+        ensure!(
+            !frames.is_empty(),
+            "--frames {range}: the recording has {recorded} frames only, counted from 0: the last one is {}",
+            recorded - 1
+        );
+        // The first frame that can be read tells the size of all.
+        let size = frames.iter().find_map(|frame| frame.read().ok()).map(|pair| (pair.width() as u16, pair.height()));
+        let format = match size {
+            Some((width, height)) => Some((self.search.config(width)?, height)),
+            None => None,
+        };
+        self.check_output()?;
+        let reports = match format {
+            Some((config, height)) => {
+                let mut player = Player::new(self.method, config, height, min_confidence, &self.output)?;
+                play(&mut player, &frames)?
+            }
+            None => report_damaged(&frames).into_iter().inspect(warn).collect(),
+        };
+        output::write(&self.output.join("frames.csv"), &encode_csv(&reports)?)?;
+        let summary = self.summary(&reports, recorded, format);
+        print(&if self.json { serde_json::to_string(&summary)? + "\n" } else { summary.text() })?;
+        let damaged = summary.damaged;
+        ensure!(damaged == 0, Finding(format!("{damaged} of {} were damaged and skipped", count(reports.len()))));
+        Ok(())
+    }
+
+    fn layout(&self) -> Result<Layout> {
+        match (self.layout, self.first) {
+            (LayoutKind::Folders, None) => Ok(Layout::Folders),
+            (LayoutKind::SideBySide, Some(first)) => Ok(Layout::SideBySide { first }),
+            (LayoutKind::Folders, Some(first)) => {
+                bail!("--first {first}: is for frames with both views, add --layout side-by-side")
+            }
+            (LayoutKind::SideBySide, None) => {
+                bail!("--layout side-by-side needs --first left or --first right, the camera of the left half")
+            }
+        }
+    }
+
+    /// Refuses to write among the frames: pictures would be frames of the next run, and a list of the
+    /// recording might have the name of ours.
+    fn check_output(&self) -> Result<()> {
+        let folders = ["", "left", "right"].map(|name| self.recording.join(name));
+        for folder in folders {
+            ensure!(
+                !output::is_same_file(&folder, &self.output),
+                "-o {}: is a folder of the recording, give another one",
+                self.output.display()
+            );
+        }
+        output::prepare_folder("-o", &self.output)
+    }
+
+    fn summary<'a>(
+        &'a self,
+        reports: &'a [FrameReport],
+        recorded: usize,
+        format: Option<(Config, usize)>,
+    ) -> Summary<'a> {
+        let of = |figure: fn(&FrameReport) -> Option<f64>| reports.iter().filter_map(figure).collect::<Vec<f64>>();
+        let damaged_frames: Vec<&FrameReport> = reports.iter().filter(|report| !report.is_ok()).collect();
+        let config = format.map(|(config, _)| config);
+        Summary {
+            recording: &self.recording,
+            folder: &self.output,
+            method: self.method.name(),
+            width: config.map(|config| config.width),
+            height: format.map(|(_, height)| height),
+            min_disparity: config.map(|config| config.min_disparity),
+            num_disparities: config.map(|config| config.num_disparities),
+            recorded,
+            frames: reports.len(),
+            damaged: damaged_frames.len(),
+            mean_density: mean(&of(|report| report.density)),
+            median_disparity_px: median(of(|report| report.median_disparity_px)),
+            mean_noise: mean(&of(|report| report.noise)),
+            mean_milliseconds: mean(&of(|report| report.milliseconds)),
+            damaged_frames,
+        }
+    }
+}
+
+/// Plays with a progress bar; each damaged frame is told as it comes.
+fn play(player: &mut Player<'_>, frames: &[RecordedFrame]) -> Result<Vec<FrameReport>> {
+    let bar = progress(frames.len(), "frames")?;
+    let reports = player.play(frames, |report| {
+        if !report.is_ok() {
+            bar.suspend(|| warn(report));
+        }
+        bar.inc(1);
+    });
+    bar.finish_and_clear();
+    reports
+}
+
+/// One line about a damaged frame.
+fn warn(report: &FrameReport) {
+    let FrameReport { frame, error, .. } = report;
+    // Nowhere is left to tell if this fails, too.
+    let _ = writeln!(std::io::stderr(), "frame {frame} skipped: {}", error.as_deref().unwrap_or("damaged"));
+}
+
+impl Summary<'_> {
+    fn text(&self) -> String {
+        let mut text = format!("{}, {}", self.method, count(self.frames));
+        if let (Some(width), Some(height)) = (self.width, self.height) {
+            let _ = write!(text, " of {width}x{height} px");
+        }
+        if let (Some(min), Some(num)) = (self.min_disparity, self.num_disparities) {
+            let _ = write!(text, ", searched {min} to {} px", i32::from(min) + i32::from(num) - 1);
+        }
+        if let (Some(density), Some(milliseconds)) = (self.mean_density, self.mean_milliseconds) {
+            let _ = write!(text, ": {density:.2} % known, {milliseconds:.1} ms a frame");
+        }
+        if let Some(median) = self.median_disparity_px {
+            let _ = write!(text, ", median disparity {median:.2} px");
+        }
+        if let Some(noise) = self.mean_noise {
+            let _ = write!(text, ", noise {noise:.1} grey levels");
+        }
+        let folder = self.folder.display();
+        text + &format!("\nin {folder}: <frame>.pfm, <frame>_picture.png, frames.csv\n")
+    }
+}
+
+fn count(frames: usize) -> String {
+    if frames == 1 { "1 frame".to_owned() } else { format!("{frames} frames") }
+}
+
+fn mean(values: &[f64]) -> Option<f64> {
+    (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
+}
+
+/// The lower median.
+fn median(mut values: Vec<f64>) -> Option<f64> {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len().checked_sub(1)? / 2).copied()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn means_and_medians_of_nothing_are_none() {
+        assert_eq!((mean(&[]), median(vec![])), (None, None));
+        assert_eq!((mean(&[1.0, 2.0]), median(vec![3.0, 1.0, 2.0, 9.0])), (Some(1.5), Some(2.0)));
+    }
+}

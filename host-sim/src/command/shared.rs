@@ -1,0 +1,119 @@
+//! Arguments that several commands have in common.
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, ensure};
+use haarline::Config;
+use indicatif::{ProgressBar, ProgressState, ProgressStyle};
+
+use super::whole_number;
+use crate::baselines::Baselines;
+use crate::method::check_config;
+use crate::scene::find_scenes;
+
+/// The search range.
+#[derive(Debug, clap::Args)]
+pub(super) struct SearchRange {
+    /// How many whole disparities to search, 1 to 256 [default: a quarter of the width, up to a multiple of 16]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = whole_number)]
+    num_disparities: Option<i64>,
+    /// Least disparity to search, px, -128 to 128
+    #[arg(long, value_name = "M", default_value_t = 0, allow_negative_numbers = true, value_parser = whole_number)]
+    min_disparity: i64,
+}
+
+impl SearchRange {
+    /// The configuration for views of `width` px.
+    pub(super) fn config(&self, width: u16) -> Result<Config> {
+        let default = Config::for_width(width);
+        let asked = self.num_disparities.unwrap_or_else(|| default.num_disparities.into());
+        let num_disparities = u16::try_from(asked);
+        let num_disparities =
+            num_disparities.ok().with_context(|| format!("--num-disparities {asked}: must be 1 to 256"))?;
+        let asked = self.min_disparity;
+        let min_disparity = i16::try_from(asked);
+        let min_disparity =
+            min_disparity.ok().with_context(|| format!("--min-disparity {asked}: must be -128 to 128 px"))?;
+        let config = Config { width, min_disparity, num_disparities };
+        check_config(&config, "--num-disparities")?;
+        Ok(config)
+    }
+}
+
+/// The limit below which pixels become unknown.
+#[derive(Debug, clap::Args)]
+pub(super) struct MinConfidence {
+    /// Makes pixels of less confidence unknown, 0 to 255
+    #[arg(long, value_name = "C", default_value_t = 0, allow_negative_numbers = true, value_parser = whole_number)]
+    min_confidence: i64,
+}
+
+impl MinConfidence {
+    pub(super) fn get(&self) -> Result<u8> {
+        let Self { min_confidence } = self;
+        u8::try_from(*min_confidence)
+            .ok()
+            .with_context(|| format!("--min-confidence {min_confidence}: must be 0 to 255"))
+    }
+}
+
+/// Which benchmark scenes, and OpenCV's figures on them.
+#[derive(Debug, clap::Args)]
+pub(super) struct Benchmark {
+    /// Folder of scene folders, each with left.png, right.png, truth.png, nonocc.png and meta.json; or
+    /// one scene folder
+    #[arg(value_name = "SCENES_DIR")]
+    pub(super) scenes: PathBuf,
+    /// Only these scenes
+    #[arg(long, value_name = "A,B,...", value_delimiter = ',')]
+    only: Vec<String>,
+    /// OpenCV's figures [default: baselines.json in the scenes' folder or in one of the two above it]
+    #[arg(long, value_name = "FILE")]
+    baselines: Option<PathBuf>,
+}
+
+impl Benchmark {
+    /// The folders that `--only` names, or all.
+    pub(super) fn folders(&self) -> Result<Vec<PathBuf>> {
+        let folders = find_scenes(&self.scenes)?;
+        let name = |folder: &Path| folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        for wanted in &self.only {
+            ensure!(
+                folders.iter().any(|folder| name(folder) == *wanted),
+                "--only: there is no scene {wanted:?} in {}, which has {}",
+                self.scenes.display(),
+                list(folders.iter().map(|folder| name(folder)))
+            );
+        }
+        let is_wanted = |folder: &PathBuf| self.only.is_empty() || self.only.contains(&name(folder));
+        Ok(folders.into_iter().filter(is_wanted).collect())
+    }
+
+    /// OpenCV's figures, if a file is named or found.
+    pub(super) fn read_baselines(&self) -> Result<Option<Baselines>> {
+        let found = || Baselines::find(&self.scenes);
+        self.baselines.clone().or_else(found).map(|path| Baselines::read(&path)).transpose()
+    }
+}
+
+/// The first names, and how many more there are.
+fn list(names: impl ExactSizeIterator<Item = String>) -> String {
+    const SHOWN: usize = 8;
+    let more = names.len().saturating_sub(SHOWN);
+    let shown = names.take(SHOWN).collect::<Vec<_>>().join(", ");
+    if more > 0 { format!("{shown} and {more} more") } else { shown }
+}
+
+/// A bar with rate and time left; shown only where the standard error is a terminal.
+pub(super) fn progress(length: usize, what: &str) -> Result<ProgressBar> {
+    let style =
+        ProgressStyle::with_template("{bar:40} {pos}/{len} {msg}, {rate}, {eta} left")?.with_key("rate", write_rate);
+    Ok(ProgressBar::new(length as u64).with_style(style).with_message(what.to_owned()))
+}
+
+/// The rate, to one digit after the point.
+fn write_rate(state: &ProgressState, text: &mut dyn fmt::Write) {
+    // A bar without its rate is still a bar.
+    let _ = write!(text, "{:.1}/s", state.per_sec());
+}
