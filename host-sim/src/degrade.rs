@@ -4,15 +4,19 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
 
-use crate::StereoPair;
+use crate::{Frame, StereoPair};
 
 /// What is done to a pair. The right view becomes `value x gain + offset`, then both views are
-/// multiplied by `both_gain`, then both get noise; at the end each pixel is rounded once (halves to
+/// multiplied by `both_gain`, then both get all three kinds of noise; at the end each pixel is rounded once (halves to
 /// even) and clipped to 0..=255.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Degradation {
     /// Standard deviation of Gaussian noise, independent in every pixel of both views, grey levels.
     pub noise: f64,
+    /// Shot noise: standard deviation at one grey level; it grows with the square root of the grey level.
+    pub shot_noise: f64,
+    /// Fixed pattern: standard deviation of what each column of a view is too bright, grey levels.
+    pub pattern_noise: f64,
     /// Factor on the right view.
     pub gain: f64,
     /// Grey levels added to the right view, after the factor.
@@ -25,15 +29,16 @@ pub struct Degradation {
 
 impl Default for Degradation {
     fn default() -> Self {
-        Self { noise: 0.0, gain: 1.0, offset: 0.0, both_gain: 1.0, seed: 0 }
+        Self { noise: 0.0, shot_noise: 0.0, pattern_noise: 0.0, gain: 1.0, offset: 0.0, both_gain: 1.0, seed: 0 }
     }
 }
 
 impl Degradation {
-    /// Whether noise is all it does, if anything.
+    /// Whether Gaussian noise is all it does, if anything.
     #[must_use]
     pub fn is_noise_only(&self) -> bool {
         (self.gain, self.offset, self.both_gain) == (1.0, 0.0, 1.0)
+            && (self.shot_noise, self.pattern_noise) == (0.0, 0.0)
     }
 
     /// Degrades both views of the scene called `name`. The noise depends on the seed, the name and
@@ -43,17 +48,23 @@ impl Degradation {
     /// If the noise is negative or not finite.
     pub fn apply(&self, name: &str, pair: &mut StereoPair) {
         let left_gain = self.both_gain;
-        self.degrade(&mut pair.left.luma, [left_gain, 0.0], generator(self.seed, name, 0));
+        self.degrade(&mut pair.left, [left_gain, 0.0], generator(self.seed, name, 0));
         let (gain, offset) = (self.gain * self.both_gain, self.offset * self.both_gain);
-        self.degrade(&mut pair.right.luma, [gain, offset], generator(self.seed, name, 1));
+        self.degrade(&mut pair.right, [gain, offset], generator(self.seed, name, 1));
     }
 
-    fn degrade(&self, luma: &mut [u8], [gain, offset]: [f64; 2], mut rng: ChaCha8Rng) {
-        let noise = Normal::new(0.0, self.noise).expect("the noise is finite and not negative");
-        for pixel in luma {
-            let sample = if self.noise > 0.0 { noise.sample(&mut rng) } else { 0.0 };
-            let value = f64::from(*pixel) * gain + offset + sample;
-            *pixel = value.round_ties_even().clamp(0.0, 255.0) as u8;
+    fn degrade(&self, frame: &mut Frame, [gain, offset]: [f64; 2], mut rng: ChaCha8Rng) {
+        let normal = |sigma: f64| Normal::new(0.0, sigma).expect("the noise is finite and not negative");
+        let (noise, unit, pattern) = (normal(self.noise), normal(1.0), normal(self.pattern_noise));
+        let mut draw = |law: &Normal<f64>, is_on: bool| if is_on { law.sample(&mut rng) } else { 0.0 };
+        let columns: Vec<f64> = (0..frame.width).map(|_| draw(&pattern, self.pattern_noise > 0.0)).collect();
+        for row in frame.luma.chunks_mut(frame.width) {
+            for (pixel, column) in row.iter_mut().zip(&columns) {
+                let light = f64::from(*pixel) * gain + offset;
+                let shot = draw(&unit, self.shot_noise > 0.0) * self.shot_noise * light.max(0.0).sqrt();
+                let value = light + shot + column + draw(&noise, self.noise > 0.0);
+                *pixel = value.round_ties_even().clamp(0.0, 255.0) as u8;
+            }
         }
     }
 }
@@ -75,7 +86,6 @@ fn fnv1a(bytes: &[u8]) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Frame;
 
     fn flat(value: u8) -> StereoPair {
         let frame = Frame::from_luma(200, 100, vec![value; 20_000]);
@@ -113,6 +123,19 @@ mod tests {
             assert!((mean - 128.0).abs() < 0.35, "mean {mean}");
             assert!(((variance - 1.0 / 12.0).sqrt() - 10.0).abs() < 0.25, "variance {variance}");
         }
+    }
+
+    #[test]
+    fn shot_noise_grows_with_the_root_of_the_light_and_a_pattern_stays_in_its_column() {
+        let sigma = |value: u8| {
+            let luma = degraded(value, Degradation { shot_noise: 0.8, ..Default::default() }).left.luma;
+            let variance = luma.iter().map(|&v| (f64::from(v) - f64::from(value)).powi(2)).sum::<f64>() / 20_000.0;
+            (variance - 1.0 / 12.0).sqrt()
+        };
+        assert!((sigma(100) - 8.0).abs() < 0.2 && (sigma(25) - 4.0).abs() < 0.1, "{} {}", sigma(100), sigma(25));
+        let pattern = degraded(128, Degradation { pattern_noise: 5.0, ..Default::default() }).left.luma;
+        assert!(pattern.chunks(200).all(|row| row == &pattern[..200]));
+        assert!(pattern[..200].iter().any(|&v| v != 128));
     }
 
     #[test]

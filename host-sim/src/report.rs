@@ -102,6 +102,8 @@ impl Report<'_> {
         let json = ReportJson {
             method: self.method,
             noise: self.degradation.noise,
+            shot_noise: self.degradation.shot_noise,
+            pattern_noise: self.degradation.pattern_noise,
             gain: self.degradation.gain,
             offset: self.degradation.offset,
             both_gain: self.degradation.both_gain,
@@ -137,6 +139,8 @@ impl Report<'_> {
 struct ReportJson<'a> {
     method: &'a str,
     noise: f64,
+    shot_noise: f64,
+    pattern_noise: f64,
     gain: f64,
     offset: f64,
     both_gain: f64,
@@ -199,7 +203,7 @@ pub fn mean_table(method: &str, mean: &Mean) -> String {
 /// What was done to the frames, in words.
 #[must_use]
 pub fn describe(degradation: &Degradation) -> String {
-    let Degradation { noise, gain, offset, both_gain, seed } = *degradation;
+    let Degradation { noise, shot_noise, pattern_noise, gain, offset, both_gain, seed } = *degradation;
     let mut words = Vec::new();
     if (gain, offset) != (1.0, 0.0) {
         let shift = match offset {
@@ -212,8 +216,10 @@ pub fn describe(degradation: &Degradation) -> String {
     if both_gain != 1.0 {
         words.push(format!("both views x {both_gain}"));
     }
-    if noise > 0.0 {
-        words.push(format!("noise {noise} (seed {seed})"));
+    for (kind, sigma) in [("noise", noise), ("shot noise", shot_noise), ("pattern noise", pattern_noise)] {
+        if sigma > 0.0 {
+            words.push(format!("{kind} {sigma} (seed {seed})"));
+        }
     }
     if words.is_empty() { "clean frames".to_owned() } else { words.join(", ") }
 }

@@ -21,12 +21,12 @@ pub(super) struct Args {
         value_name = "SIGMA,...",
         default_value = "0,10",
         value_delimiter = ',',
-        allow_negative_numbers = true,
+        allow_hyphen_values = true,
         value_parser = number
     )]
     noise: Vec<f64>,
     /// Seed of the noise
-    #[arg(long, value_name = "S", default_value_t = 0, allow_negative_numbers = true, value_parser = natural_number)]
+    #[arg(long, value_name = "S", default_value_t = 0, allow_hyphen_values = true, value_parser = natural_number)]
     seed: u64,
     /// Writes everything as JSON, each scene's score included; - is the standard output, instead of the tables
     #[arg(long, value_name = "FILE")]

@@ -30,10 +30,10 @@ pub(super) struct Args {
     #[arg(long, value_enum, default_value_t = MethodKind::BEST)]
     method: MethodKind,
     /// Sensor noise, standard deviation in grey levels
-    #[arg(long, value_name = "SIGMA", default_value_t = 1.5, allow_negative_numbers = true, value_parser = number)]
+    #[arg(long, value_name = "SIGMA", default_value_t = 1.5, allow_hyphen_values = true, value_parser = number)]
     noise: f64,
     /// Seed of textures and noise
-    #[arg(long, value_name = "S", default_value_t = 0, allow_negative_numbers = true, value_parser = natural_number)]
+    #[arg(long, value_name = "S", default_value_t = 0, allow_hyphen_values = true, value_parser = natural_number)]
     seed: u64,
     /// Prints the figures as JSON
     #[arg(long)]

@@ -29,10 +29,10 @@ pub(super) struct Args {
     #[arg(long, value_enum, default_value_t = MethodKind::BEST)]
     method: MethodKind,
     /// Focal length, px; with --baseline-mm depth is told, too
-    #[arg(long, value_name = "F", allow_negative_numbers = true, value_parser = number)]
+    #[arg(long, value_name = "F", allow_hyphen_values = true, value_parser = number)]
     focal_px: Option<f64>,
     /// Distance of the two cameras, mm
-    #[arg(long, value_name = "B", allow_negative_numbers = true, value_parser = number)]
+    #[arg(long, value_name = "B", allow_hyphen_values = true, value_parser = number)]
     baseline_mm: Option<f64>,
     /// Disparity file, any number of times: .pfm (px, float, unknown = +inf), .png (16 bits, disparity x
     /// 256, 0 = unknown) or .ply (point cloud in m; needs --focal-px and --baseline-mm)

@@ -25,19 +25,25 @@ pub(super) struct Args {
     #[arg(long, value_enum, default_value_t = MethodKind::BEST)]
     method: MethodKind,
     /// Adds Gaussian noise to both views: standard deviation, grey levels
-    #[arg(long, value_name = "SIGMA", default_value_t = 0.0, allow_negative_numbers = true, value_parser = number)]
+    #[arg(long, value_name = "SIGMA", default_value_t = 0.0, allow_hyphen_values = true, value_parser = number)]
     noise: f64,
+    /// Adds shot noise to both views: standard deviation at one grey level, grows with the root of the light
+    #[arg(long, value_name = "SIGMA", default_value_t = 0.0, allow_hyphen_values = true, value_parser = number)]
+    shot_noise: f64,
+    /// Adds a fixed pattern to both views: standard deviation from column to column, grey levels
+    #[arg(long, value_name = "SIGMA", default_value_t = 0.0, allow_hyphen_values = true, value_parser = number)]
+    pattern_noise: f64,
     /// Multiplies the right view
-    #[arg(long, value_name = "G", default_value_t = 1.0, allow_negative_numbers = true, value_parser = number)]
+    #[arg(long, value_name = "G", default_value_t = 1.0, allow_hyphen_values = true, value_parser = number)]
     gain: f64,
     /// Adds grey levels to the right view, after the gain
-    #[arg(long, value_name = "O", default_value_t = 0.0, allow_negative_numbers = true, value_parser = number)]
+    #[arg(long, value_name = "O", default_value_t = 0.0, allow_hyphen_values = true, value_parser = number)]
     offset: f64,
     /// Multiplies both views, after gain and offset and before the noise: less light
-    #[arg(long, value_name = "G", default_value_t = 1.0, allow_negative_numbers = true, value_parser = number)]
+    #[arg(long, value_name = "G", default_value_t = 1.0, allow_hyphen_values = true, value_parser = number)]
     both_gain: f64,
     /// Seed of the noise
-    #[arg(long, value_name = "S", default_value_t = 0, allow_negative_numbers = true, value_parser = natural_number)]
+    #[arg(long, value_name = "S", default_value_t = 0, allow_hyphen_values = true, value_parser = natural_number)]
     seed: u64,
     /// Writes everything as JSON; - is the standard output, instead of the tables
     #[arg(long, value_name = "FILE")]
@@ -76,9 +82,9 @@ impl Args {
     pub(super) fn run(self) -> Result<()> {
         let degradation = self.degradation()?;
         let folders = self.benchmark.folders()?;
-        self.check_outputs()?;
         let scenes = evaluation::load(&folders)?;
         let baselines = self.benchmark.read_baselines()?;
+        self.check_outputs()?;
         let widest = scenes.iter().map(|scene| scene.pair.width()).max().unwrap_or(0);
         let level = baselines.as_ref().map(|baselines| baselines.level(widest, &degradation));
         let baselines = baselines.as_ref().zip(level.as_ref());
@@ -97,14 +103,20 @@ impl Args {
     }
 
     fn degradation(&self) -> Result<Degradation> {
-        let limited = [("--noise", self.noise), ("--gain", self.gain), ("--both-gain", self.both_gain)];
+        let limited = [
+            ("--noise", self.noise),
+            ("--shot-noise", self.shot_noise),
+            ("--pattern-noise", self.pattern_noise),
+            ("--gain", self.gain),
+            ("--both-gain", self.both_gain),
+        ];
         for (option, value) in limited {
             ensure!((0.0..=255.0).contains(&value), "{option} {value}: must be 0 to 255");
         }
         let offset = self.offset;
         ensure!((-255.0..=255.0).contains(&offset), "--offset {offset}: must be -255 to 255 grey levels");
-        let Self { noise, gain, offset, both_gain, seed, .. } = *self;
-        Ok(Degradation { noise, gain, offset, both_gain, seed })
+        let Self { noise, shot_noise, pattern_noise, gain, offset, both_gain, seed, .. } = *self;
+        Ok(Degradation { noise, shot_noise, pattern_noise, gain, offset, both_gain, seed })
     }
 
     fn check_outputs(&self) -> Result<()> {

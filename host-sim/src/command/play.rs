@@ -41,7 +41,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "A..B", allow_hyphen_values = true)]
     frames: Option<FrameRange>,
     /// Only every K-th of them
-    #[arg(long, value_name = "K", default_value_t = 1, allow_negative_numbers = true, value_parser = whole_number)]
+    #[arg(long, value_name = "K", default_value_t = 1, allow_hyphen_values = true, value_parser = whole_number)]
     every: i64,
     #[command(flatten)]
     min_confidence: MinConfidence,

@@ -16,10 +16,10 @@ use crate::scene::find_scenes;
 #[derive(Debug, clap::Args)]
 pub(super) struct SearchRange {
     /// How many whole disparities to search, 1 to 256 [default: a quarter of the width, up to a multiple of 16]
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = whole_number)]
+    #[arg(long, value_name = "N", allow_hyphen_values = true, value_parser = whole_number)]
     num_disparities: Option<i64>,
     /// Least disparity to search, px, -128 to 128
-    #[arg(long, value_name = "M", default_value_t = 0, allow_negative_numbers = true, value_parser = whole_number)]
+    #[arg(long, value_name = "M", default_value_t = 0, allow_hyphen_values = true, value_parser = whole_number)]
     min_disparity: i64,
 }
 
@@ -45,7 +45,7 @@ impl SearchRange {
 #[derive(Debug, clap::Args)]
 pub(super) struct MinConfidence {
     /// Makes pixels of less confidence unknown, 0 to 255
-    #[arg(long, value_name = "C", default_value_t = 0, allow_negative_numbers = true, value_parser = whole_number)]
+    #[arg(long, value_name = "C", default_value_t = 0, allow_hyphen_values = true, value_parser = whole_number)]
     min_confidence: i64,
 }
 

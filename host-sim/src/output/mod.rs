@@ -136,7 +136,7 @@ fn write_in_place(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
 
 /// Pipes and devices are written to, not replaced.
 fn is_written_in_place(path: &Path) -> bool {
-    path.starts_with("/dev") || path.metadata().is_ok_and(|metadata| !metadata.is_file() && !metadata.is_dir())
+    path.metadata().is_ok_and(|metadata| !metadata.is_file() && !metadata.is_dir())
 }
 
 /// Whether both names lead to one file, there or not.
