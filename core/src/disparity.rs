@@ -59,7 +59,13 @@ pub struct DisparityRow<'a> {
     pub y: u32,
     /// Disparity of each pixel of the left view, as many as the scanline has.
     pub disparity: &'a [Disparity],
-    /// Confidence of each pixel, 0 (least) to 255; 0 where the disparity is unknown.
+    /// Confidence of each pixel, 1 to 255; 0 where the disparity is unknown.
+    ///
+    /// In the methods of this crate it is linear in how far the match stands out: the margin by which
+    /// it beats the best rival more than a step away, less its own cost, both per pixel of the window.
+    /// 255 means a margin of 10 grey levels or more at no cost, each step less is 0.063 grey levels
+    /// less, and 1 is 16 grey levels less and all that is worse. Neighbouring blocks on another surface, and
+    /// less certain ones on the same, lower it. It ranks answers; it is no probability.
     pub confidence: &'a [u8],
 }
 

@@ -72,6 +72,14 @@ impl DisparityMap {
         }
     }
 
+    /// Fills the holes of every row from what lies beside them, see [`haarline::fill_holes`].
+    pub fn fill_holes(&mut self) {
+        let rows = self.disparity.chunks_mut(self.width).zip(self.confidence.chunks_mut(self.width));
+        for (disparity, confidence) in rows {
+            haarline::fill_holes(disparity, confidence);
+        }
+    }
+
     /// Range and median of what is known; `None` where nothing is.
     #[must_use]
     pub fn spread(&self) -> Option<Spread> {

@@ -49,6 +49,9 @@ pub(super) struct Args {
     confidence: Option<PathBuf>,
     #[command(flatten)]
     min_confidence: MinConfidence,
+    /// Fills unknown pixels with the farther of the next known ones beside them: a guess, confidence 1
+    #[arg(long)]
+    fill: bool,
     /// Prints the summary as JSON
     #[arg(long)]
     json: bool,
@@ -90,6 +93,9 @@ impl Args {
         let config = self.search.config(pair.width() as u16)?;
         let Run { mut map, elapsed } = pipeline::run(&mut *self.method.build(config)?, &pair)?;
         map.drop_below(min_confidence);
+        if self.fill {
+            map.fill_holes();
+        }
         for (path, bytes) in self.files(&kinds, &map, &pair.left, &config, geometry.as_ref())? {
             output::write(path, &bytes)?;
         }

@@ -210,6 +210,23 @@ fn confidence_is_0_exactly_where_nothing_is_known_or_less_sure_than_asked() {
 }
 
 #[test]
+fn fill_leaves_no_hole_and_what_was_known_as_it_was() {
+    let bench = bench_with_box();
+    bench.succeeds("depth left.png right.png -o holes.pfm");
+    bench.succeeds("depth left.png right.png --fill -o filled.pfm --confidence confidence.png");
+    let (holes, filled) = (pfm(&bench, "holes.pfm"), pfm(&bench, "filled.pfm"));
+    let confidence = png8(&bench.read("confidence.png"));
+    assert!(holes.density() < 100.0 && filled.density() == 100.0, "{} and {}", holes.density(), filled.density());
+    for (index, (was, is)) in holes.px.iter().zip(&filled.px).enumerate() {
+        if was.is_finite() {
+            assert_eq!(was, is, "pixel {index}");
+        } else {
+            assert_eq!(confidence[index], 1, "pixel {index}");
+        }
+    }
+}
+
+#[test]
 fn the_json_summary_is_one_line_that_agrees_with_the_map() {
     let bench = bench_with_box();
     let outcome = bench.succeeds("depth left.png right.png --json -o m.pfm");
