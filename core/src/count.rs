@@ -1,6 +1,6 @@
 //! Counts of the two operations that the methods' cost is made of, for studies on the host.
 //!
-//! With the feature `count`; without it every function here is empty and [`take`] is not there.
+//! With the feature `count`; without it every function here is empty and `take` is not there.
 //! The counters are global: run one pipeline at a time.
 
 #[cfg(feature = "count")]
