@@ -128,7 +128,7 @@ fn quarters<'a>(
     quarter_row: usize,
 ) -> impl Iterator<Item = (usize, Option<Answer>)> + 'a {
     (0..width).step_by(QUARTER).map(move |x| {
-        let (index, side) = (x / SIZE, x / QUARTER % QUARTER);
+        let (index, side) = (x / SIZE, x / QUARTER % (SIZE / QUARTER));
         (x, quarter_answer(blocks, index, side, quarter_row))
     })
 }

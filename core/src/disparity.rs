@@ -30,10 +30,14 @@ impl Disparity {
         self.0
     }
 
-    /// From whole pixels, within `-2047..=2047`.
+    /// From whole pixels.
+    ///
+    /// # Panics
+    /// If `px` is not within `-2047..=2047`.
     #[inline]
     #[must_use]
     pub const fn from_px(px: i16) -> Self {
+        assert!(-2048 < px && px < 2048, "a disparity has 11 bits before the point");
         Self(px << Self::FRAC_BITS)
     }
 
@@ -62,7 +66,8 @@ pub struct DisparityRow<'a> {
     /// Confidence of each pixel, 1 to 255; 0 where the disparity is unknown.
     ///
     /// In the methods of this crate it is linear in how far the match stands out: the margin by which
-    /// it beats the best rival more than a step away, less its own cost, both per pixel of the window.
+    /// it beats the best rival more than a step away, less its own cost, both per pixel of the window
+    /// (in `full` half of the margin is that of the cost, half that of the path through the neighbours).
     /// 255 means a margin of 10 grey levels or more at no cost, each step less is 0.063 grey levels
     /// less, and 1 is 16 grey levels less and all that is worse. Neighbouring blocks on another surface, and
     /// less certain ones on the same, lower it. It ranks answers; it is no probability.

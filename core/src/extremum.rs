@@ -1,11 +1,14 @@
-//! The Haar extremum search: the only place where a minimum is looked for.
+//! The Haar extremum search: how a disparity walks to the minimum of its cost.
+//!
+//! Choosing the best out of a list of candidates (hypotheses, labels, contours) is a comparison and done
+//! where the list is; looking for a minimum along a cost is done here.
 //!
 //! The paper's method (section 4, eq. 5 to 9) in one dimension and whole steps. The direction is a
 //! Haar wavelet over the cost itself: the sum of the costs after the present point minus the sum of
 //! those before it, so that noise averages out over the support. The search goes against it until its
 //! sign changes; the last two points bracket the extremum, and a new start with a support that fits
 //! the bracket refines it. With its shortest support of two samples this is the walk that ends each
-//! block's search.
+//! block's search ([`descend`]); the methods need no more, [`search`] is the whole of it.
 
 /// A minimum of a cost over whole steps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -44,7 +44,7 @@ const MOST_COST_MARGIN: i32 = 240;
 /// ```
 pub type Full<const BLOCKS: usize> = Pipeline<Agreement<LABELS, BLOCKS>, FEATURE_ROWS, BLOCKS>;
 
-/// [`Full`] with room for every disparity as a label: an upper bound for studies, not for a chip.
+/// [`Full`] with room for all disparities as labels but one of 256: an upper bound for studies, not for a chip.
 pub type Exhaustive<const BLOCKS: usize> = Pipeline<Agreement<255, BLOCKS>, FEATURE_ROWS, BLOCKS>;
 
 /// The matcher of [`Full`]: the labels of two block rows, `N` a block.

@@ -1,4 +1,28 @@
 //! Stereo depth on a microcontroller: camera lines in, disparity rows out.
+//!
+//! Without heap and floating point; memory grows with the width of the picture, not with its height.
+//! [`Full`] is the most accurate method, [`Lite`] the cheapest; both are driven by [`StereoMethod`].
+//!
+//! ```
+//! use haarline::{Config, Depth, Full, Rig, ScanlinePair, StereoMethod, blocks_for};
+//! let mut stereo = Full::<{ blocks_for(320) }>::new(Config { num_disparities: 48, ..Config::for_width(320) })?;
+//! let rig = Rig::new(200 << 8, 60_000).unwrap(); // 200 px focal length, 60 mm between the cameras
+//! let mut nearest = None;
+//! let mut look = |row: haarline::DisparityRow<'_>| {
+//!     for &disparity in row.disparity {
+//!         if let Depth::Millimetres(mm) = rig.depth(disparity) {
+//!             nearest = Some(nearest.map_or(mm, |least: u32| least.min(mm)));
+//!         }
+//!     }
+//! };
+//! for _ in 0..240 {
+//!     let (left, right) = ([90; 320], [90; 320]); // from the cameras
+//!     stereo.push(ScanlinePair { left: &left, right: &right }, &mut look).unwrap();
+//! }
+//! stereo.finish(&mut look); // the last rows of the frame
+//! assert_eq!(nearest, None); // a blank wall is unknown, not far away
+//! # Ok::<(), haarline::ConfigError>(())
+//! ```
 #![no_std]
 
 pub mod config;

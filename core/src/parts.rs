@@ -1,7 +1,8 @@
 //! Which parts of a method take part: for ablations.
 
 /// The parts of a method that can be left out to see what they bring. A product takes
-/// [`Parts::ALL`].
+/// [`Parts::ALL`]. The parts are those of [`Full`](crate::Full); [`Lite`](crate::Lite) has no agreement,
+/// never tries all disparities, and without seeds it finds nothing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Parts {
     /// Hypotheses from contour seeds. Without: from neighbours, and all disparities in the first

@@ -218,15 +218,19 @@ where
         pair.check(self.config.width)?;
         self.left.raw.push_pixels(pair.left);
         self.right.raw.push_pixels(pair.right);
-        self.left.measure_noise(pair.left.len());
-        self.right.measure_noise(pair.right.len());
+        self.missing &= !(1 << (self.rows % 32));
+        // A stand-in has no noise of its own, and second differences span three rows.
+        let is_whole = (0..3).all(|back| self.missing >> (self.rows.wrapping_sub(back) % 32) & 1 == 0);
+        if is_whole {
+            self.left.measure_noise(pair.left.len());
+            self.right.measure_noise(pair.right.len());
+        }
         self.exposure.add(pair.left);
         self.exposure.add(pair.right);
         self.noise = Noise::of(&self.left.noise, &self.right.noise, self.exposure.gain());
         if !self.parts.smoothing {
             self.noise.level = SmoothingLevel::Off;
         }
-        self.missing &= !(1 << (self.rows % 32));
         self.rows += 1;
         self.advance(sink);
         Ok(())

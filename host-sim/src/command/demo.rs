@@ -93,7 +93,7 @@ impl Args {
             height: map.height,
             num_disparities: scene.num_disparities,
             milliseconds,
-            score: Score::of(map, &rendering.truth, None).context("the scene has nothing to score")?,
+            score: Score::of(map, &rendering.textured_truth(), None).context("the scene has nothing to score")?,
             wall_pixels: pixels,
             wall_answered_percent: percent(answered),
             wall_wrong_percent: percent(wrong),
@@ -104,7 +104,8 @@ impl Args {
 }
 
 /// The scene in the layout that `haarline eval` reads.
-fn scene_files(scene: &Scene, Rendering { pair, truth, .. }: &Rendering) -> Result<[NamedFile; 5]> {
+fn scene_files(scene: &Scene, rendering: &Rendering) -> Result<[NamedFile; 5]> {
+    let (pair, truth) = (&rendering.pair, rendering.textured_truth());
     let size = [scene.width, scene.height];
     let disparity: Vec<u8> = truth.disparity_q8.iter().flat_map(|sample| sample.to_ne_bytes()).collect();
     let mask: Vec<u8> = truth.seen_by_both.iter().map(|&seen| if seen { 255 } else { 0 }).collect();
@@ -119,7 +120,7 @@ fn scene_files(scene: &Scene, Rendering { pair, truth, .. }: &Rendering) -> Resu
         ("left.png", "left view", encode_grey_png(&pair.left.luma, size)?),
         ("right.png", "right view", encode_grey_png(&pair.right.luma, size)?),
         ("truth.png", "true disparity x 256", encode_png(&disparity, size, ExtendedColorType::L16)?),
-        ("nonocc.png", "white where both cameras see the point", encode_grey_png(&mask, size)?),
+        ("nonocc.png", "white where both cameras see texture: what is scored", encode_grey_png(&mask, size)?),
         ("meta.json", "search range, focal length, baseline", meta.into_bytes()),
     ])
 }
@@ -147,7 +148,7 @@ impl Figures {
         let mut text = format!(
             "{method} on a rendered scene, {width}x{height} px, {num_disparities} disparities, noise {noise}: \
              {milliseconds:.1} ms\n\
-             answered {:.2} % of the scored pixels; of the answers {} % are off by more than 2 px and {} % by more \
+             answered {:.2} % of the pixels that both cameras see, the blank wall apart; of the answers {} % are off by more than 2 px and {} % by more \
              than 1 px, mean error {} px\n\
              blank wall, {} pixels without texture: {:.2} % answered, {:.2} % wrong by more than 2 px\n\n",
             score.density,

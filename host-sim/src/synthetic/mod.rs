@@ -229,6 +229,16 @@ impl Scene {
 }
 
 impl Rendering {
+    /// The truth with the pixels without texture left out of the score.
+    #[must_use]
+    pub fn textured_truth(&self) -> Truth {
+        let mut truth = self.truth.clone();
+        for (seen, blank) in truth.seen_by_both.iter_mut().zip(&self.is_blank) {
+            *seen &= !blank;
+        }
+        truth
+    }
+
     /// Counts the answers on scored pixels without texture.
     ///
     /// # Panics

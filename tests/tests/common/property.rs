@@ -198,6 +198,17 @@ pub fn every_capacity_gives_the_same_answer(subject: &Subject) {
             assert!(tight.known().count() > 0, "{width} x {height}, {content:?}, {disparity} px: nothing known");
         }
     }
+    // Jumps between surfaces near the borders, where windows reach beside the view.
+    let surfaces = (prop::sample::select(vec![32_u16, 33, 61]), any::<u32>(), [-24..=24_i32, -24..=24_i32], 0..61_i32);
+    proptest!(cases(192), |((width, seed, shifts, split) in surfaces, height in 4..=20_usize)| {
+        let config = Config { width, min_disparity: -24, num_disparities: 32 };
+        let content = Content::Texture { seed };
+        let shift = |x: i32| if x < split { shifts[0] } else { shifts[1] };
+        let right = |x: i32, y: i32| content.at(x + shift(x), y);
+        let frame = Frame::from_fn(usize::from(width), height, |x, y| content.at(x, y), right);
+        let [tight, roomy] = [subject.build_tight, subject.build].map(|build| run(&mut *build(config), &frame));
+        prop_assert!(tight == roomy, "{width} x {height}, seed {seed}, {shifts:?} px from column {split} on");
+    });
 }
 
 // Rows and frames
