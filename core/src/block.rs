@@ -4,6 +4,8 @@ use crate::confidence::Merit;
 
 /// Columns and rows of a block.
 pub(crate) const SIZE: usize = 4;
+/// The same, to count rows of the image with.
+pub(crate) const SIZE_U32: u32 = 4;
 /// Disparities of neighbours that differ by more than this, px, are a jump between surfaces.
 pub(crate) const JUMP: i32 = 1;
 

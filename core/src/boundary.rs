@@ -16,8 +16,6 @@ pub(crate) fn choose_sources(
     left: &[&[u8]; ROWS],
     right: &[&[u8]; ROWS],
 ) {
-    // Where the last window still lies within the view and its margin, whatever the capacity has beyond.
-    let last = SIZE * row.len() + 2 * MARGIN - WINDOW;
     for index in 0..row.len() {
         let at = |index: Option<usize>| row.get(index?).copied().flatten();
         let beside = [at(index.checked_sub(1)), at(index.checked_add(1))];
@@ -33,9 +31,7 @@ pub(crate) fn choose_sources(
                 };
                 let cost = |block: &Block| {
                     let column = SIZE * index + 2 * x + MARGIN - 1;
-                    let shifted = usize::try_from(i32::try_from(column).ok()? - block.px())
-                        .ok()
-                        .filter(|&column| column <= last)?;
+                    let shifted = usize::try_from(i32::try_from(column).ok()? - block.px()).ok()?;
                     sad::<WINDOW>(left.get(2 * y..2 * y + WINDOW)?, right.get(2 * y..2 * y + WINDOW)?, column, shifted)
                 };
                 // The own surface has the benefit of the doubt: its cost counts 4/5.

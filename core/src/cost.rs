@@ -63,10 +63,6 @@ impl<const WIDTH: usize> BlockCost<'_, WIDTH> {
             return None;
         }
         let (left_column, right_column) = columns::<WIDTH>(index, disparity)?;
-        let last = SIZE * usize::from(self.config.width).div_ceil(SIZE) + 2 * MARGIN - WIDTH;
-        if right_column > last {
-            return None;
-        }
         let sad = sad::<WIDTH>(&self.left, &self.right, left_column, right_column)?;
         Some(sad + self.farness(disparity))
     }

@@ -109,11 +109,10 @@ impl<const N: usize, const BLOCKS: usize> Agreement<N, BLOCKS> {
     /// Fills the labels of the row under way: hypotheses left to right, then from the right block.
     fn collect_labels(&mut self, row: &Row<'_, BLOCKS>, above: Option<&[Option<Block>]>) {
         let count = row.stage.config.blocks();
-        let above_at = |block: Option<usize>| above?.get(block?)?.as_ref().map(Block::px);
         let mut greedy = [None; BLOCKS];
         let mut decided = Decided::default();
         for (index, (paths, greedy)) in self.row.iter_mut().zip(&mut greedy).enumerate().take(count) {
-            decided.above = [Some(index), index.checked_sub(1), Some(index + 1)].map(above_at);
+            decided.look_up(above, index);
             let mut labels = Labels::new(row.stage.config.min_disparity);
             *greedy = row.search(index, decided, &mut labels);
             decided.left = greedy.map(|(disparity, _)| disparity);

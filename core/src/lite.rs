@@ -48,10 +48,9 @@ impl<const BLOCKS: usize> Matcher<ROWS, BLOCKS> for Greedy {
         let cost = BlockCost::<WIDTH> { config: stage.config, left, right };
         let Begun { row, above, .. } = blocks.begin(stage.config.blocks());
         let above = above.as_deref();
-        let above_at = |block: Option<usize>| above?.get(block?)?.as_ref().map(Block::px);
         let mut decided = Decided::default();
         for (index, block) in row.iter_mut().enumerate() {
-            decided.above = [Some(index), index.checked_sub(1), Some(index + 1)].map(above_at);
+            decided.look_up(above, index);
             *block = greedy_block(stage, &cost, index, decided);
             decided.left = block.as_ref().map(Block::px);
         }

@@ -2,9 +2,10 @@
 //! nobody outside implements it.
 
 use crate::Config;
-use crate::block::BlockRows;
+use crate::block::{BlockRows, SIZE, SIZE_U32};
 use crate::noise::Noise;
 use crate::parts::Parts;
+use crate::ring::MARGIN;
 use crate::seed::Seeds;
 use crate::texture::Texture;
 use crate::view::View;
@@ -35,9 +36,12 @@ pub struct Stage<'a, const FEATURE_ROWS: usize, const BLOCKS: usize> {
 }
 
 impl<'a, const FEATURE_ROWS: usize, const BLOCKS: usize> Stage<'a, FEATURE_ROWS, BLOCKS> {
-    /// Feature rows of both views from one row above a block row on.
+    /// Feature rows of both views from one row above a block row on, as far as the view and its margins
+    /// reach, whatever the capacity has beyond: no window can lie further right.
     pub(crate) fn features<const N: usize>(&self, block_row: u32) -> ([&'a [u8]; N], [&'a [u8]; N]) {
-        let first = i64::from(block_row) * 4 - 1;
-        (self.left.features.window(first), self.right.features.window(first))
+        let first = i64::from(block_row * SIZE_U32) - 1;
+        let end = SIZE * self.config.blocks() + 2 * MARGIN;
+        let cut = |row: &'a [u8]| row.get(..end).unwrap_or(row);
+        (self.left.features.window(first).map(cut), self.right.features.window(first).map(cut))
     }
 }

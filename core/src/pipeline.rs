@@ -1,6 +1,6 @@
 //! The pipeline that all methods of the core share: rows in, block rows to a matcher, rows out.
 
-use crate::block::{BlockRows, SIZE};
+use crate::block::{BlockRows, SIZE, SIZE_U32};
 use crate::consistency::answer;
 use crate::exposure::Exposure;
 use crate::matcher::{Matcher, Stage};
@@ -57,14 +57,28 @@ pub struct Pipeline<M, const FEATURE_ROWS: usize, const BLOCKS: usize> {
     rows: u32,
     /// Rows of this frame delivered so far.
     answered: u32,
-    /// Bit `y % 32` is set where row `y` was missing.
-    missing: u32,
+    missing: MissingRows,
+}
+
+/// Which of the last 32 rows were missing: more than the latency.
+#[derive(Debug, Clone, Copy, Default)]
+struct MissingRows(u32);
+
+impl MissingRows {
+    const fn has(self, y: u32) -> bool {
+        self.0 >> (y % 32) & 1 == 1
+    }
+
+    const fn set(&mut self, y: u32, missing: bool) {
+        let bit = 1 << (y % 32);
+        self.0 = self.0 & !bit | if missing { bit } else { 0 };
+    }
 }
 
 impl<M, const FEATURE_ROWS: usize, const BLOCKS: usize> Pipeline<M, FEATURE_ROWS, BLOCKS> {
     /// Rows that come in after a row before it goes out, at most: the window of the next block row
     /// and the front end's lag.
-    pub const LATENCY: u32 = 2 * 4 + FEATURE_LAG;
+    pub const LATENCY: u32 = 2 * SIZE_U32 + FEATURE_LAG;
 }
 
 impl<M, const FEATURE_ROWS: usize, const BLOCKS: usize> Pipeline<M, FEATURE_ROWS, BLOCKS>
@@ -102,7 +116,7 @@ where
             matcher: M::default(),
             rows: 0,
             answered: 0,
-            missing: 0,
+            missing: MissingRows::default(),
         })
     }
 }
@@ -119,7 +133,7 @@ where
             let gain = self.exposure.gain();
             self.left.smooth_row(self.noise.level, gain, width);
             self.right.smooth_row(self.noise.level, gain, width);
-            if self.left.smooth.len().is_multiple_of(4) {
+            if self.left.smooth.len().is_multiple_of(SIZE_U32) {
                 self.find_contours(width);
             }
         }
@@ -128,7 +142,7 @@ where
             self.right.feature_row(width);
             // One row below the block row's last one ends its window.
             let features = self.left.features.len();
-            if features > 4 && features % 4 == 1 {
+            if features > SIZE_U32 && features % SIZE_U32 == 1 {
                 self.match_blocks();
                 self.answer(sink, false);
             }
@@ -137,9 +151,10 @@ where
 
     /// Contours and grey levels of the block row whose four smoothed rows are the newest.
     fn find_contours(&mut self, width: usize) {
-        let first = i64::from(self.left.smooth.len()) - 4;
+        let first = i64::from(self.left.smooth.len() - SIZE_U32);
         let mut sums = [[0u16; 4]; BLOCKS];
-        let views = [(&self.left, &mut self.seeds.left), (&self.right, &mut self.seeds.right)];
+        // The left view last: its sums serve for the grey levels, too.
+        let views = [(&self.right, &mut self.seeds.right), (&self.left, &mut self.seeds.left)];
         for (view, contours) in views {
             let sums = sums.as_flattened_mut();
             sum_rows(view.smooth.window(first), sums);
@@ -148,7 +163,6 @@ where
             let line = sums.get(MARGIN - beside..MARGIN + width + beside - 1).unwrap_or(&[]);
             contours.find(line, -i32::from(HALF_SUPPORT), HALF_SUPPORT, CONTOUR_THRESHOLD);
         }
-        sum_rows(self.left.smooth.window(first), sums.as_flattened_mut());
         for (grey, columns) in self.grey.iter_mut().zip(sums.iter().skip(MARGIN / SIZE)) {
             let sum: u16 = columns.iter().sum(); // 16 pixels, so below 2^12
             *grey = u8::try_from(sum / 16).unwrap_or(u8::MAX);
@@ -158,7 +172,7 @@ where
     /// Decides the next block row.
     fn match_blocks(&mut self) {
         // The three rows in the middle of the block row, where its contours are.
-        let middle = i64::from(self.blocks.len()) * 4 + 1;
+        let middle = i64::from(self.blocks.len() * SIZE_U32) + 1;
         let (left, right) = (self.left.features.window::<3>(middle), self.right.features.window::<3>(middle));
         self.seeds.find(&self.config, &left, &right);
         let (stage, matcher, blocks) = self.stage();
@@ -188,11 +202,10 @@ where
     fn answer(&mut self, sink: &mut dyn FnMut(DisparityRow<'_>), at_end: bool) {
         let texture = self.texture();
         let Some(blocks) = self.blocks.neighbourhood(self.config.blocks(), at_end) else { return };
-        let rows = self.answered..(self.answered + 4).min(self.rows);
+        let rows = self.answered..(self.answered + SIZE_U32).min(self.rows);
         self.answered = rows.end;
         let missing = self.missing;
-        let is_missing = |y: u32| missing >> (y % 32) & 1 == 1;
-        answer::<BLOCKS>(&self.config, texture, blocks, rows, is_missing, sink);
+        answer::<BLOCKS>(&self.config, texture, blocks, rows, |y| missing.has(y), sink);
     }
 }
 
@@ -211,16 +224,16 @@ where
         self.noise = Noise::default();
         self.blocks.clear();
         self.matcher.clear();
-        (self.rows, self.answered, self.missing) = (0, 0, 0);
+        (self.rows, self.answered, self.missing) = (0, 0, MissingRows::default());
     }
 
     fn push(&mut self, pair: ScanlinePair<'_>, sink: &mut dyn FnMut(DisparityRow<'_>)) -> Result<(), RowError> {
         pair.check(self.config.width)?;
         self.left.raw.push_pixels(pair.left);
         self.right.raw.push_pixels(pair.right);
-        self.missing &= !(1 << (self.rows % 32));
+        self.missing.set(self.rows, false);
         // A stand-in has no noise of its own, and second differences span three rows.
-        let is_whole = (0..3).all(|back| self.missing >> (self.rows.wrapping_sub(back) % 32) & 1 == 0);
+        let is_whole = !(0..3).any(|back| self.missing.has(self.rows.wrapping_sub(back)));
         if is_whole {
             self.left.measure_noise(pair.left.len());
             self.right.measure_noise(pair.right.len());
@@ -239,14 +252,14 @@ where
     fn miss(&mut self, sink: &mut dyn FnMut(DisparityRow<'_>)) {
         self.left.raw.push_again();
         self.right.raw.push_again();
-        self.missing |= 1 << (self.rows % 32);
+        self.missing.set(self.rows, true);
         self.rows += 1;
         self.advance(sink);
     }
 
     fn finish(&mut self, sink: &mut dyn FnMut(DisparityRow<'_>)) {
         // The last row stands in for those below the image until all block rows are decided.
-        let block_rows = self.rows.div_ceil(4);
+        let block_rows = self.rows.div_ceil(SIZE_U32);
         while self.blocks.len() < block_rows {
             self.left.raw.push_again();
             self.right.raw.push_again();

@@ -1,5 +1,6 @@
 //! The search of one block: few hypotheses, the cheapest wins, a walk to the minimum.
 
+use crate::block::Block;
 use crate::cost::BlockCost;
 use crate::extremum::{Minimum, descend};
 use crate::label::Labels;
@@ -25,6 +26,12 @@ pub(crate) struct Decided {
 }
 
 impl Decided {
+    /// Goes on to a block: what the row above says of it. Who decides the blocks tells the left one.
+    pub(crate) fn look_up(&mut self, above: Option<&[Option<Block>]>, index: usize) {
+        let at = |block: Option<usize>| above?.get(block?)?.as_ref().map(Block::px);
+        self.above = [Some(index), index.checked_sub(1), Some(index + 1)].map(at);
+    }
+
     /// What a disparity pays for leaving the neighbours'.
     fn penalty(self, disparity: i32, bias: Bias) -> i32 {
         let pay = |neighbour: Option<i32>| match neighbour.map(|other| (other - disparity).abs()) {

@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use anyhow::{Result, ensure};
 use serde::Serialize;
 
-use super::shared::{Benchmark, progress};
-use super::{natural_number, number, print};
+use super::shared::{Benchmark, JsonOutput, progress};
+use super::{natural_number, number};
 use crate::ablation::{self, Ablation, Trial, Variant};
 use crate::{evaluation, output};
 
@@ -28,9 +28,8 @@ pub(super) struct Args {
     /// Seed of the noise
     #[arg(long, value_name = "S", default_value_t = 0, allow_hyphen_values = true, value_parser = natural_number)]
     seed: u64,
-    /// Writes everything as JSON, each scene's score included; - is the standard output, instead of the tables
-    #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
+    #[command(flatten)]
+    json: JsonOutput,
     /// Writes the tables as CSV
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
@@ -62,7 +61,7 @@ impl Args {
     }
 
     fn check_outputs(&self) -> Result<()> {
-        let files = [("--json", self.json_file()), ("--csv", self.csv.as_deref())];
+        let files = [("--json", self.json.file()), ("--csv", self.csv.as_deref())];
         for (option, path) in files {
             path.map_or(Ok(()), |path| output::check_writable(option, path))?;
         }
@@ -70,11 +69,6 @@ impl Args {
             ensure!(!output::is_same_file(json, csv), "--csv {}: the name is given twice", csv.display());
         }
         Ok(())
-    }
-
-    /// The JSON's file, if it does not go to the standard output.
-    fn json_file(&self) -> Option<&Path> {
-        self.json.as_deref().filter(|path| *path != Path::new("-"))
     }
 
     fn try_all(&self, ablation: &Ablation<'_>) -> Result<Vec<Trial>> {
@@ -89,12 +83,7 @@ impl Args {
         if let Some(path) = &self.csv {
             output::write(path, &ablation::encode_csv(json.trials)?)?;
         }
-        let encode = || serde_json::to_string_pretty(json).map(|text| text + "\n");
-        match (&self.json, self.json_file()) {
-            (Some(_), None) => return print(&encode()?),
-            (_, Some(path)) => output::write(path, encode()?.as_bytes())?,
-            (None, None) => {}
-        }
-        print(&ablation::text(json.trials, json.scenes, &self.benchmark.scenes, self.seed))
+        let text = || ablation::text(json.trials, json.scenes, &self.benchmark.scenes, self.seed);
+        self.json.deliver(|| Ok(serde_json::to_string_pretty(json)? + "\n"), text)
     }
 }

@@ -1,12 +1,12 @@
 //! `haarline eval`: a method on scenes with known truth.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::str::FromStr;
 
 use anyhow::{Result, bail, ensure};
 
-use super::shared::{Benchmark, progress};
-use super::{Finding, natural_number, number, print};
+use super::shared::{Benchmark, JsonOutput, progress};
+use super::{Finding, natural_number, number};
 use crate::baselines::{Baselines, Level};
 use crate::degrade::Degradation;
 use crate::evaluation::{self, Evaluator, Mean, SceneScore};
@@ -45,9 +45,8 @@ pub(super) struct Args {
     /// Seed of the noise
     #[arg(long, value_name = "S", default_value_t = 0, allow_hyphen_values = true, value_parser = natural_number)]
     seed: u64,
-    /// Writes everything as JSON; - is the standard output, instead of the tables
-    #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
+    #[command(flatten)]
+    json: JsonOutput,
     /// Writes <scene>.pfm, <scene>_confidence.png and <scene>_picture.png of every scene
     #[arg(short, long = "output", value_name = "DIR")]
     output: Option<PathBuf>,
@@ -98,7 +97,7 @@ impl Args {
             scenes: &scores,
             mean: &mean,
         };
-        self.deliver(&report)?;
+        self.json.deliver(|| Ok(report.json()?), || report.text())?;
         check_limits(&self.fail_over, &mean.score)
     }
 
@@ -120,18 +119,13 @@ impl Args {
     }
 
     fn check_outputs(&self) -> Result<()> {
-        if let Some(path) = self.json_file() {
+        if let Some(path) = self.json.file() {
             output::check_writable("--json", path)?;
         }
         match &self.output {
             Some(folder) => output::prepare_folder("-o", folder),
             None => Ok(()),
         }
-    }
-
-    /// The JSON's file, if it does not go to the standard output.
-    fn json_file(&self) -> Option<&Path> {
-        self.json.as_deref().filter(|path| *path != Path::new("-"))
     }
 
     fn evaluate(
@@ -146,14 +140,6 @@ impl Args {
         let scores = evaluator.run(scenes, || progress.inc(1));
         progress.finish_and_clear();
         scores
-    }
-
-    fn deliver(&self, report: &Report<'_>) -> Result<()> {
-        if let Some(path) = self.json_file() {
-            output::write(path, report.json()?.as_bytes())?;
-        }
-        let goes_to_stdout = self.json.is_some() && self.json_file().is_none();
-        print(&if goes_to_stdout { report.json()? } else { report.text() })
     }
 }
 

@@ -7,9 +7,10 @@ use anyhow::{Context, Result, ensure};
 use haarline::Config;
 use indicatif::{ProgressBar, ProgressState, ProgressStyle};
 
-use super::whole_number;
+use super::{print, whole_number};
 use crate::baselines::Baselines;
 use crate::method::check_config;
+use crate::output;
 use crate::scene::find_scenes;
 
 /// The search range.
@@ -38,6 +39,31 @@ impl SearchRange {
         let config = Config { width, min_disparity, num_disparities };
         check_config(&config, "--num-disparities")?;
         Ok(config)
+    }
+}
+
+/// Where a report goes as JSON.
+#[derive(Debug, clap::Args)]
+pub(super) struct JsonOutput {
+    /// Writes everything as JSON; - is the standard output, instead of the tables
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+}
+
+impl JsonOutput {
+    /// The file, if it does not go to the standard output.
+    pub(super) fn file(&self) -> Option<&Path> {
+        self.json.as_deref().filter(|path| *path != Path::new("-"))
+    }
+
+    /// Delivers the report: as JSON where it was asked for, as text unless that went to the standard output.
+    pub(super) fn deliver(&self, json: impl FnOnce() -> Result<String>, text: impl FnOnce() -> String) -> Result<()> {
+        match (&self.json, self.file()) {
+            (Some(_), None) => return print(&json()?),
+            (_, Some(path)) => output::write(path, json()?.as_bytes())?,
+            (None, None) => {}
+        }
+        print(&text())
     }
 }
 
