@@ -36,6 +36,7 @@ pub mod report;
 pub mod scene;
 pub mod score;
 pub mod sparsification;
+pub mod study;
 pub mod synthetic;
 
 pub use disparity_map::DisparityMap;
