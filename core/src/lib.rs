@@ -28,6 +28,7 @@
 pub mod config;
 pub mod contour;
 pub mod count;
+pub mod counters;
 pub mod disparity;
 pub mod error;
 pub mod extremum;
@@ -35,11 +36,14 @@ pub mod fill;
 pub mod full;
 pub mod haar;
 pub mod lite;
+#[cfg(feature = "packet")]
+pub mod packet;
 pub mod parts;
 pub mod pipeline;
 pub mod rig;
 pub mod scanline;
 pub mod stereo;
+pub mod wiring;
 
 mod block;
 mod boundary;
@@ -58,6 +62,7 @@ mod texture;
 mod view;
 
 pub use config::Config;
+pub use counters::Counters;
 pub use disparity::{Disparity, DisparityRow};
 pub use error::{ConfigError, RowError};
 pub use fill::fill_holes;
@@ -68,3 +73,4 @@ pub use pipeline::blocks_for;
 pub use rig::{Depth, Rig};
 pub use scanline::ScanlinePair;
 pub use stereo::StereoMethod;
+pub use wiring::Wiring;
