@@ -1,14 +1,16 @@
 //! `haarline record`: pairs as the bytes that a camera port would store of them.
 
+use std::io::Write;
 use std::path::PathBuf;
 
 use anyhow::{Context, Result, bail, ensure};
+use haarline::Wiring;
 use serde::Serialize;
 
 use super::shared::{LayoutKind, WiringArgs, layout, progress, warn_skipped};
 use super::{Finding, print};
 use crate::raw_dump::write_frame;
-use crate::recording::{FrameRange, Side, find_frames};
+use crate::recording::{FrameRange, RecordedFrame, Side, find_frames};
 use crate::{StereoPair, output};
 
 /// Arguments of `haarline record`.
@@ -54,64 +56,35 @@ struct Summary {
     bytes: usize,
 }
 
-/// Where a frame comes from.
-type Reader<'a> = Box<dyn Fn() -> Result<StereoPair> + 'a>;
+/// One frame, not read yet.
+enum Source<'a> {
+    Views(&'a [PathBuf]),
+    Recorded(RecordedFrame),
+}
+
+/// A dump as it grows.
+struct Dump<'a> {
+    wiring: Wiring,
+    file: &'a mut dyn Write,
+    /// Of the first frame.
+    size: Option<[usize; 2]>,
+    frames: usize,
+}
 
 impl Args {
     pub(super) fn run(self) -> Result<()> {
         let wiring = self.wiring.get_required()?;
+        let sources = self.sources()?;
         output::check_writable("-o", &self.output)?;
-        let recorded = match &self.recording {
-            Some(folder) => find_frames(folder, layout(self.layout, self.layout_first, "--layout-first")?)?,
-            None => Vec::new(),
-        };
-        let range = self.frames.unwrap_or_default();
-        let count = recorded.len();
-        let recorded = range.choose(recorded, 1);
-        let readers: Vec<Reader<'_>> = match &self.views[..] {
-            [left, right] => {
-                for view in [left, right] {
-                    let same = output::is_same_file(view, &self.output);
-                    ensure!(!same, "-o {}: is one of the views, give another name", self.output.display());
-                }
-                vec![Box::new(|| StereoPair::read(left, right))]
-            }
-            _ => recorded.iter().map(|frame| -> Reader<'_> { Box::new(|| frame.read()) }).collect(),
-        };
-        ensure!(!readers.is_empty(), "--frames {range}: the recording has {count} frames only, counted from 0");
-        let mut size = None;
-        let mut written = 0;
-        let bar = progress(readers.len(), "frames")?;
+        let mut told = None;
         output::write_with(&self.output, |file| {
-            for (index, read) in readers.iter().enumerate() {
-                let pair = read().and_then(|pair| {
-                    let [width, height] = *size.get_or_insert([pair.width(), pair.height()]);
-                    ensure!(
-                        [pair.width(), pair.height()] == [width, height],
-                        "the views are {}x{} px, but those of the first frame are {width}x{height} px",
-                        pair.width(),
-                        pair.height()
-                    );
-                    Ok(pair)
-                });
-                match pair {
-                    Ok(pair) => {
-                        write_frame(wiring, &pair, file)?;
-                        written += 1;
-                    }
-                    Err(error) if self.recording.is_none() => return Err(error),
-                    Err(error) => bar.suspend(|| warn_skipped(recorded[index].index, &format!("{error:#}"))),
-                }
-                bar.inc(1);
-            }
-            if written == 0 {
-                bail!("none of the {} frames can be read", readers.len());
-            }
+            let mut dump = Dump { wiring, file, size: None, frames: 0 };
+            self.fill(&mut dump, &sources)?;
+            told = dump.size.map(|size| (size, dump.frames));
             Ok(())
         })?;
-        bar.finish_and_clear();
-        let [width, height] = size.context("a frame was written")?;
-        let damaged = readers.len() - written;
+        let ([width, height], frames) = told.context("no frame was written")?;
+        let damaged = sources.len() - frames;
         let summary = Summary {
             file: self.output.clone(),
             width,
@@ -119,13 +92,76 @@ impl Args {
             wiring: wiring.kind.name(),
             first: wiring.first.name(),
             skew: wiring.skew.name(),
-            frames: written,
+            frames,
             damaged,
-            bytes: written * 2 * width * height,
+            bytes: frames * 2 * width * height,
         };
         print(&if self.json { serde_json::to_string(&summary)? + "\n" } else { summary.text() })?;
-        ensure!(damaged == 0, Finding(format!("{damaged} of {} frames were damaged and skipped", readers.len())));
+        ensure!(damaged == 0, Finding(format!("{damaged} of {} frames were damaged and skipped", sources.len())));
         Ok(())
+    }
+
+    fn sources(&self) -> Result<Vec<Source<'_>>> {
+        let Some(folder) = &self.recording else {
+            for view in &self.views {
+                let is_view = output::is_same_file(view, &self.output);
+                ensure!(!is_view, "-o {}: is one of the views, give another name", self.output.display());
+            }
+            return Ok(vec![Source::Views(&self.views)]);
+        };
+        let frames = find_frames(folder, layout(self.layout, self.layout_first, "--layout-first")?)?;
+        let (range, recorded) = (self.frames.unwrap_or_default(), frames.len());
+        let frames = range.choose(frames, 1);
+        ensure!(!frames.is_empty(), "--frames {range}: the recording has {recorded} frames only, counted from 0");
+        Ok(frames.into_iter().map(Source::Recorded).collect())
+    }
+
+    /// Writes one frame after the other. Of a recording, a damaged one is told and skipped.
+    fn fill(&self, dump: &mut Dump<'_>, sources: &[Source<'_>]) -> Result<()> {
+        let bar = progress(sources.len(), "frames")?;
+        for source in sources {
+            match (source.read().and_then(|pair| dump.check_size(pair)), source) {
+                (Ok(pair), _) => dump.add(&pair)?,
+                (Err(error), Source::Views(_)) => return Err(error),
+                (Err(error), Source::Recorded(frame)) => {
+                    bar.suspend(|| warn_skipped(frame.index, &format!("{error:#}")));
+                }
+            }
+            bar.inc(1);
+        }
+        bar.finish_and_clear();
+        ensure!(dump.frames > 0, "none of the {} frames can be read", sources.len());
+        Ok(())
+    }
+}
+
+impl Source<'_> {
+    fn read(&self) -> Result<StereoPair> {
+        match self {
+            Self::Views([left, right]) => StereoPair::read(left, right),
+            Self::Views(_) => bail!("a left and a right view are needed"),
+            Self::Recorded(frame) => frame.read(),
+        }
+    }
+}
+
+impl Dump<'_> {
+    /// The pair, if it has the size of the first one.
+    fn check_size(&mut self, pair: StereoPair) -> Result<StereoPair> {
+        let found = [pair.width(), pair.height()];
+        let [width, height] = *self.size.get_or_insert(found);
+        ensure!(
+            found == [width, height],
+            "the views are {}x{} px, but those of the first frame are {width}x{height} px",
+            found[0],
+            found[1]
+        );
+        Ok(pair)
+    }
+
+    fn add(&mut self, pair: &StereoPair) -> Result<()> {
+        self.frames += 1;
+        write_frame(self.wiring, pair, self.file)
     }
 }
 
