@@ -41,75 +41,81 @@ struct Run {
 
 /// The runs of a row of at most 65 535 px.
 fn runs(row: DisparityRow<'_>) -> impl Iterator<Item = Run> {
-    let mut pixels = row.disparity.iter().copied().zip(row.confidence.iter().copied()).peekable();
+    let (mut disparities, mut confidences) = (row.disparity, row.confidence);
     core::iter::from_fn(move || {
-        let (disparity, confidence) = pixels.next()?;
-        let mut length = 1;
-        while pixels.next_if_eq(&(disparity, confidence)).is_some() {
-            length += 1;
-        }
-        Some(Run { disparity, confidence, length })
+        let (&disparity, &confidence) = (disparities.first()?, confidences.first()?);
+        let pixels = disparities.iter().zip(confidences);
+        let count = pixels.take_while(|&(d, c)| *d == disparity && *c == confidence).count();
+        disparities = disparities.get(count..)?;
+        confidences = confidences.get(count..)?;
+        Some(Run { disparity, confidence, length: u16::try_from(count).ok()? })
     })
 }
 
-/// Whether runs need no more bytes than plain pixels.
-pub(super) fn pays(row: DisparityRow<'_>) -> bool {
-    let mut room = 3 * row.disparity.len();
-    let mut take = |_| {
-        room = room.checked_sub(1).ok_or(())?;
-        Ok::<(), ()>(())
-    };
-    write(Coding::Runs, row, &mut take).is_ok()
+/// Bytes as they are written.
+struct Writer<'a> {
+    room: &'a mut [u8],
+    used: usize,
 }
 
-/// Hands the bytes of the pixels to `push`, one by one.
-pub(super) fn write<E>(
-    coding: Coding,
-    row: DisparityRow<'_>,
-    push: &mut impl FnMut(u8) -> Result<(), E>,
-) -> Result<(), E> {
+impl Writer<'_> {
+    fn push<const N: usize>(&mut self, bytes: [u8; N]) -> Option<()> {
+        *self.room.get_mut(self.used..)?.first_chunk_mut()? = bytes;
+        self.used += N;
+        Some(())
+    }
+}
+
+/// Writes the pixels of a row; how many bytes they are, or `None` if there is not so much room.
+pub(super) fn write(coding: Coding, row: DisparityRow<'_>, room: &mut [u8]) -> Option<usize> {
+    let mut writer = Writer { room, used: 0 };
     match coding {
         Coding::Plain => {
             for (disparity, &confidence) in row.disparity.iter().zip(row.confidence) {
                 let [low, high] = disparity.into_bits().to_le_bytes();
-                [low, high, confidence].into_iter().try_for_each(&mut *push)?;
+                writer.push([low, high, confidence])?;
             }
-            Ok(())
         }
         Coding::Runs => {
             let mut last = 0;
-            runs(row).try_for_each(|run| write_run(run, &mut last, push))
+            runs(row).try_for_each(|run| write_run(run, &mut last, &mut writer))?;
         }
+    }
+    Some(writer.used)
+}
+
+fn write_run(run: Run, last: &mut i16, writer: &mut Writer<'_>) -> Option<()> {
+    let Run { disparity, confidence, length } = run;
+    let bits = disparity.into_bits();
+    let change = bits.wrapping_sub(*last);
+    let form = match (disparity.is_known(), confidence) {
+        (true, _) => form_of(change),
+        (false, 0) => HOLE,
+        (false, _) => WIDE,
+    };
+    let [short, _] = (length - 1).min(LONG).to_le_bytes();
+    writer.push([form << 4 | short])?;
+    if length > LONG {
+        write_length(length - 1 - LONG, writer)?;
+    }
+    if form == HOLE {
+        return Some(());
+    }
+    *last = bits;
+    let [low, high] = bits.to_le_bytes();
+    let [step, _] = change.to_le_bytes();
+    match form {
+        WIDE => writer.push([low, high, confidence]),
+        NARROW => writer.push([step, confidence]),
+        _ => writer.push([confidence]),
     }
 }
 
-fn write_run<E>(run: Run, last: &mut i16, push: &mut impl FnMut(u8) -> Result<(), E>) -> Result<(), E> {
-    let bits = run.disparity.into_bits();
-    let change = bits.wrapping_sub(*last);
-    let [low, high] = bits.to_le_bytes();
-    let form = match (run.disparity.known(), run.confidence) {
-        (None, 0) => HOLE,
-        (None, _) => WIDE,
-        (Some(_), _) => form_of(change),
-    };
-    let short = (run.length - 1).min(LONG);
-    let [short, _] = short.to_le_bytes();
-    push(form << 4 | short)?;
-    if run.length > LONG {
-        write_length(run.length - 1 - LONG, push)?;
+fn write_length(more: u16, writer: &mut Writer<'_>) -> Option<()> {
+    match more.to_le_bytes() {
+        [low, 0] if low < 255 => writer.push([low]),
+        [low, high] => writer.push([255, low, high]),
     }
-    if form == HOLE {
-        return Ok(());
-    }
-    if form == WIDE {
-        push(low)?;
-        push(high)?;
-    } else if form == NARROW {
-        let [change, _] = change.to_le_bytes();
-        push(change)?;
-    }
-    *last = bits;
-    push(run.confidence)
 }
 
 fn form_of(change: i16) -> u8 {
@@ -121,14 +127,6 @@ fn form_of(change: i16) -> u8 {
     } else {
         WIDE
     }
-}
-
-fn write_length<E>(more: u16, push: &mut impl FnMut(u8) -> Result<(), E>) -> Result<(), E> {
-    let [low, high] = more.to_le_bytes();
-    if more < 255 {
-        return push(low);
-    }
-    [255, low, high].into_iter().try_for_each(push)
 }
 
 /// Reads as many pixels as there is room for; `None` if the bytes are not exactly those.

@@ -1,7 +1,7 @@
 //! Pixels of two cameras by turns, and pixels cut into nibbles.
 //!
-//! Four pixels of each view at a time in words of 32 bits: on a Cortex-M4 halfword packing and masked
-//! moves, 4 instructions a view. The rest of the row goes byte by byte.
+//! Four pixels of each view at a time in words of 32 bits, the rest of the row byte by byte: on a Cortex-M4
+//! 6 instructions for a pixel of both views, 7.5 where they are nibbles.
 
 /// Bytes 0, 2, 4, 6 and bytes 1, 3, 5, 7 of eight, as little-endian words.
 #[inline]
