@@ -39,6 +39,7 @@ pub mod parts;
 pub mod pipeline;
 pub mod rig;
 pub mod scanline;
+pub mod stage;
 pub mod stereo;
 
 mod block;
@@ -67,4 +68,5 @@ pub use parts::Parts;
 pub use pipeline::blocks_for;
 pub use rig::{Depth, Rig};
 pub use scanline::ScanlinePair;
+pub use stage::{Stage, StageClock, Untimed};
 pub use stereo::StereoMethod;
