@@ -28,10 +28,12 @@
 pub mod config;
 pub mod contour;
 pub mod count;
+pub mod counters;
 pub mod disparity;
 pub mod error;
 pub mod extremum;
 pub mod fill;
+pub mod framing;
 pub mod full;
 pub mod haar;
 pub mod lite;
@@ -59,6 +61,7 @@ mod texture;
 mod view;
 
 pub use config::Config;
+pub use counters::Counters;
 pub use disparity::{Disparity, DisparityRow};
 pub use error::{ConfigError, RowError};
 pub use fill::fill_holes;
