@@ -27,3 +27,20 @@ pub struct Counters {
     /// Times that the camera fell silent.
     pub stalled: u32,
 }
+
+impl Counters {
+    /// Nothing happened yet.
+    pub const ZERO: Self = Self {
+        frames: 0,
+        rows: 0,
+        lost: 0,
+        garbled: 0,
+        dropped_rows: 0,
+        dropped_frames: 0,
+        dropped_results: 0,
+        overruns: 0,
+        short: 0,
+        long: 0,
+        stalled: 0,
+    };
+}

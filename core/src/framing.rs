@@ -101,7 +101,7 @@ impl Framing {
     /// Waits for the first frame of `height` rows.
     #[must_use]
     pub const fn new(height: u32) -> Self {
-        Self { height, state: State::Between, frame: 0, silent: false, counters: NOTHING }
+        Self { height, state: State::Between, frame: 0, silent: false, counters: Counters::ZERO }
     }
 
     /// What happened so far.
@@ -205,21 +205,6 @@ impl Framing {
     }
 }
 
-/// All counters at zero.
-const NOTHING: Counters = Counters {
-    frames: 0,
-    rows: 0,
-    lost: 0,
-    garbled: 0,
-    dropped_rows: 0,
-    dropped_frames: 0,
-    dropped_results: 0,
-    overruns: 0,
-    short: 0,
-    long: 0,
-    stalled: 0,
-};
-
 const fn count(counter: &mut u32) {
     *counter = counter.wrapping_add(1);
 }
@@ -249,7 +234,7 @@ mod tests {
 
     #[test]
     fn every_trouble_ends_with_its_frame_and_is_counted_once() {
-        let none = Counters { frames: 2, ..NOTHING };
+        let none = Counters { frames: 2, ..Counters::ZERO };
         let cases: [(&[CameraEvent], &str, Counters); 9] = [
             (&[Start, ROW, ROW, ROW, ROW, End], ".0123|", Counters { rows: 8, ..none }),
             (&[Start, ROW, Lost, ROW, ROW, End], ".0m23|", Counters { rows: 7, lost: 1, ..none }),
@@ -280,7 +265,10 @@ mod tests {
         framing.step(ROW, true);
         assert_eq!([false, true, true].map(|room| framing.step(ROW, room)), [Step::Skip; 3]);
         assert_eq!(framing.step(End, false), Step::Close { frame: 0 });
-        assert_eq!(*framing.counters(), Counters { frames: 1, rows: 1, dropped_rows: 3, dropped_frames: 1, ..NOTHING });
+        assert_eq!(
+            *framing.counters(),
+            Counters { frames: 1, rows: 1, dropped_rows: 3, dropped_frames: 1, ..Counters::ZERO }
+        );
     }
 
     proptest! {
