@@ -48,9 +48,9 @@ pub struct RawRow {
 }
 
 impl RawRow {
-    /// Nothing yet.
+    /// Nothing yet: all bits zero, so that a ring of it takes no flash.
     pub const EMPTY: Self =
-        Self { kind: RawKind::Over, place: Place { frame: 0, row: 0 }, len: 0, bytes: [0; MAX_RAW] };
+        Self { kind: RawKind::Row, place: Place { frame: 0, row: 0 }, len: 0, bytes: [0; MAX_RAW] };
 }
 
 /// A disparity row on its way out, or the end of all of them.
@@ -70,12 +70,12 @@ pub struct ResultRow {
 }
 
 impl ResultRow {
-    /// Nothing yet.
+    /// Nothing yet: all bits zero, so that a ring of it takes no flash.
     pub const EMPTY: Self = Self {
         is_over: false,
         place: Place { frame: 0, row: 0 },
         width: 0,
-        disparity: [Disparity::UNKNOWN; MAX_WIDTH],
+        disparity: [Disparity::from_bits(0); MAX_WIDTH],
         confidence: [0; MAX_WIDTH],
         counters: Counters::ZERO,
     };
