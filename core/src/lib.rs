@@ -37,12 +37,15 @@ pub mod framing;
 pub mod full;
 pub mod haar;
 pub mod lite;
+#[cfg(feature = "packet")]
+pub mod packet;
 pub mod parts;
 pub mod pipeline;
 pub mod rig;
 pub mod scanline;
 pub mod stage;
 pub mod stereo;
+pub mod wiring;
 
 mod block;
 mod boundary;
@@ -73,3 +76,4 @@ pub use rig::{Depth, Rig};
 pub use scanline::ScanlinePair;
 pub use stage::{Stage, StageClock, Untimed};
 pub use stereo::StereoMethod;
+pub use wiring::Wiring;

@@ -3,8 +3,6 @@
 
 use haarline::StageClock;
 
-use crate::ring::ResultRow;
-
 /// What a source of rows tells.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SourceEvent {
@@ -33,12 +31,12 @@ pub trait RowSource {
     }
 }
 
-/// Where disparity rows go.
-pub trait RowSink {
-    /// Sends a row off.
-    async fn send(&mut self, row: &ResultRow);
+/// Where packets go.
+pub trait PacketSink {
+    /// Sends a packet of that frame off, its final zero included.
+    async fn send(&mut self, frame: u32, packet: &[u8]);
 
-    /// After the last row, if the source had an end.
+    /// After the last one, if the source had an end.
     async fn finish(&mut self);
 }
 

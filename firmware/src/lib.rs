@@ -2,7 +2,7 @@
 //!
 //! Three tasks and two rings of rows between them: [`capture`] takes what the camera delivers and is
 //! never blocked, [`vision`] runs the stereo method, [`results`] sends the disparity rows off. Boards
-//! and the emulated machine differ in the two edges only, [`edge::RowSource`] and [`edge::RowSink`].
+//! and the emulated machine differ in the two edges only, [`edge::RowSource`] and [`edge::PacketSink`].
 #![no_std]
 
 pub mod picture;

@@ -49,14 +49,24 @@ pub struct RawRow {
 
 impl RawRow {
     /// Nothing yet: all bits zero, so that a ring of it takes no flash.
-    pub const EMPTY: Self =
-        Self { kind: RawKind::Row, place: Place { frame: 0, row: 0 }, len: 0, bytes: [0; MAX_RAW] };
+    pub const EMPTY: Self = Self { kind: RawKind::Row, place: Place { frame: 0, row: 0 }, len: 0, bytes: [0; MAX_RAW] };
 }
 
-/// A disparity row on its way out, or the end of all of them.
+/// What vision tells results.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ResultKind {
+    /// A disparity row.
+    Row,
+    /// The frame has ended after that many rows, the place's.
+    End,
+    /// There will be no more.
+    Over,
+}
+
+/// A disparity row on its way out, or what stands in its place.
 pub struct ResultRow {
-    /// Whether this is the end, and no row.
-    pub is_over: bool,
+    /// Which it is.
+    pub kind: ResultKind,
     /// Where it belongs.
     pub place: Place,
     /// Columns that count.
@@ -72,7 +82,7 @@ pub struct ResultRow {
 impl ResultRow {
     /// Nothing yet: all bits zero, so that a ring of it takes no flash.
     pub const EMPTY: Self = Self {
-        is_over: false,
+        kind: ResultKind::Row,
         place: Place { frame: 0, row: 0 },
         width: 0,
         disparity: [Disparity::from_bits(0); MAX_WIDTH],
@@ -97,18 +107,16 @@ impl SharedCounters {
         self.0.lock(Cell::get)
     }
 
-    /// What happened to the camera's frames; results are counted here.
+    /// What happened to the camera's frames; delivered rows are counted here.
     pub fn update(&self, camera: &Counters) {
-        self.0.lock(|counters| {
-            counters.set(Counters { dropped_results: counters.get().dropped_results, ..*camera });
-        });
+        self.0.lock(|cell| cell.set(Counters { rows: cell.get().rows, ..*camera }));
     }
 
-    /// A disparity row was dropped.
-    pub fn drop_result(&self) {
+    /// The method delivered a row.
+    pub fn count_row(&self) {
         self.0.lock(|cell| {
             let counters = cell.get();
-            cell.set(Counters { dropped_results: counters.dropped_results.wrapping_add(1), ..counters });
+            cell.set(Counters { rows: counters.rows.saturating_add(1), ..counters });
         });
     }
 }

@@ -1,19 +1,16 @@
 //! The vision task: raw rows in, disparity rows out.
 
 use haarline::framing::Place;
-use haarline::{DisparityRow, ScanlinePair, Stage, StereoMethod};
+use haarline::{DisparityRow, Stage, StereoMethod, Wiring};
 
 use crate::edge::{Work, WorkClock};
-use crate::ring::{From, MAX_WIDTH, RawKind, RawRow, ResultRow, SharedCounters, To};
-
-/// Makes two rows of `left.len()` pixels of a camera's raw row; whether it could.
-pub type Unpack<'a> = &'a dyn Fn(&[u8], &mut [u8], &mut [u8]) -> bool;
+use crate::ring::{From, MAX_WIDTH, RawKind, RawRow, ResultKind, ResultRow, SharedCounters, To};
 
 /// Runs the stereo method over what comes until there is no more. Where nobody takes the results in
-/// time they are dropped and counted.
+/// time they are dropped: the counters tell of more rows than arrive.
 pub async fn vision(
     method: &mut dyn StereoMethod,
-    unpack: Unpack<'_>,
+    wiring: Wiring,
     clock: &impl WorkClock,
     mut raw: From<RawRow>,
     mut results: To<ResultRow>,
@@ -33,14 +30,15 @@ pub async fn vision(
             method.finish(&mut |row| hand_over(&row, ended, &mut results, counters));
             clock.rest(Work::FrameEnd);
             open = None;
+            end(ended, &mut results, counters);
         }
         let mut take = |row: DisparityRow<'_>| hand_over(&row, frame, &mut results, counters);
         match slot.kind {
             RawKind::Row => {
                 clock.enter(Stage::Unpack);
                 let bytes = slot.bytes.get(..slot.len).unwrap_or(&[]);
-                let whole = unpack(bytes, left, right) && method.push(ScanlinePair { left, right }, &mut take).is_ok();
-                if !whole {
+                let pair = wiring.pair(bytes, left, right);
+                if !pair.is_ok_and(|pair| method.push(pair, &mut take).is_ok()) {
                     method.miss(&mut take);
                 }
                 clock.rest(Work::Row);
@@ -56,15 +54,21 @@ pub async fn vision(
         }
         raw.receive_done();
     }
-    results.send().await.is_over = true;
+    results.send().await.kind = ResultKind::Over;
     results.send_done();
 }
 
+/// Tells that a frame has ended.
+fn end(frame: u32, results: &mut To<ResultRow>, counters: &SharedCounters) {
+    if let Some(slot) = results.try_send() {
+        (slot.kind, slot.place, slot.counters) = (ResultKind::End, Place { frame, row: 0 }, counters.get());
+        results.send_done();
+    }
+}
+
 fn hand_over(row: &DisparityRow<'_>, frame: u32, results: &mut To<ResultRow>, counters: &SharedCounters) {
-    let Some(slot) = results.try_send() else {
-        counters.drop_result();
-        return;
-    };
+    counters.count_row();
+    let Some(slot) = results.try_send() else { return };
     let width = row.disparity.len();
     let (Some(disparity), Some(confidence)) = (slot.disparity.get_mut(..width), slot.confidence.get_mut(..width))
     else {
@@ -72,7 +76,7 @@ fn hand_over(row: &DisparityRow<'_>, frame: u32, results: &mut To<ResultRow>, co
     };
     disparity.copy_from_slice(row.disparity);
     confidence.copy_from_slice(row.confidence);
-    (slot.is_over, slot.place, slot.width) = (false, Place { frame, row: row.y }, width);
+    (slot.kind, slot.place, slot.width) = (ResultKind::Row, Place { frame, row: row.y }, width);
     slot.counters = counters.get();
     results.send_done();
 }

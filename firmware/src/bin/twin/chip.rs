@@ -4,7 +4,7 @@ use defmt_semihosting as _;
 use embassy_executor::{Executor, Spawner};
 use embassy_sync::blocking_mutex::raw::ThreadModeRawMutex;
 use embassy_sync::zerocopy_channel::Channel;
-use haarline::StereoMethod;
+use haarline::{StereoMethod, Wiring};
 use haarline_firmware::ring::{From, RAW_ROWS, RESULT_ROWS, RawRow, ResultRow, SharedCounters, To};
 use haarline_firmware::{capture, results, vision};
 use semihosting::{eprintln, process};
@@ -61,7 +61,7 @@ fn start() -> Result<Parts, &'static str> {
     time::start(core.SYST);
     let method = methods::build(&options, clock)?;
     let source = FileSource::open(&options)?;
-    let sink = FileSink::create(clock, stack::high_water())?;
+    let sink = FileSink::create(&options, clock, stack::high_water())?;
     Ok(Parts { options, clock, method, source, sink })
 }
 
@@ -71,10 +71,11 @@ fn spawn(spawner: Spawner, parts: Parts) {
     let (raw_to, raw_from) = raw.split();
     let results = RESULTS.init(Channel::new(RESULT_RING.take()));
     let (results_to, results_from) = results.split();
+    let size = [options.config.width, u16::try_from(options.height).unwrap_or(u16::MAX)];
     // Each is spawned once, at start-up.
     spawner.spawn(capture_task(source, raw_to, options).unwrap());
-    spawner.spawn(vision_task(method, clock, raw_from, results_to).unwrap());
-    spawner.spawn(results_task(results_from, sink).unwrap());
+    spawner.spawn(vision_task(method, options.wiring, clock, raw_from, results_to).unwrap());
+    spawner.spawn(results_task(results_from, sink, size).unwrap());
 }
 
 #[embassy_executor::task]
@@ -85,20 +86,15 @@ async fn capture_task(source: FileSource, ring: To<RawRow>, options: Options) {
 #[embassy_executor::task]
 async fn vision_task(
     method: &'static mut dyn StereoMethod,
+    wiring: Wiring,
     clock: &'static TwinClock,
     raw: From<RawRow>,
     rows: To<ResultRow>,
 ) {
-    let unpack = |raw: &[u8], left: &mut [u8], right: &mut [u8]| {
-        let Some((a, b)) = raw.split_at_checked(left.len()) else { return false };
-        left.copy_from_slice(a);
-        right.copy_from_slice(b);
-        true
-    };
-    vision::vision(method, &unpack, clock, raw, rows, &COUNTERS).await;
+    vision::vision(method, wiring, clock, raw, rows, &COUNTERS).await;
 }
 
 #[embassy_executor::task]
-async fn results_task(rows: From<ResultRow>, sink: FileSink) {
-    results::results(rows, sink).await;
+async fn results_task(rows: From<ResultRow>, sink: FileSink, size: [u16; 2]) {
+    results::results(rows, sink, size).await;
 }

@@ -1,6 +1,7 @@
 //! The command line, which the host gives by semihosting.
 
-use haarline::Config;
+use haarline::wiring::{First, Kind, Skew};
+use haarline::{Config, Wiring};
 use haarline_firmware::ring::{MAX_RAW, MAX_WIDTH};
 
 use crate::fault::Fault;
@@ -15,7 +16,10 @@ pub struct Options {
     /// Frames of the file, and to play.
     pub recorded: u32,
     pub frames: u32,
+    /// Frames at either end whose results are kept.
+    pub keep: u32,
     pub method: Method,
+    pub wiring: Wiring,
     pub fault: Option<Fault>,
 }
 
@@ -36,6 +40,8 @@ impl Options {
             raw_len: 0,
             recorded: 1,
             frames: 1,
+            keep: u32::MAX,
+            wiring: Wiring::new(Kind::SideBySide, First::Left),
             method: Method::Lite,
             fault: None,
         };
@@ -51,12 +57,16 @@ impl Options {
                 "height" => options.height = natural.ok_or(bad)?,
                 "recorded" => options.recorded = natural.filter(|&n| n > 0).ok_or(bad)?,
                 "frames" => options.frames = natural.ok_or(bad)?,
+                "keep" => options.keep = natural.ok_or(bad)?,
+                "wiring" => options.wiring.kind = Kind::from_name(value).ok_or(bad)?,
+                "first" => options.wiring.first = First::from_name(value).ok_or(bad)?,
+                "skew" => options.wiring.skew = Skew::from_name(value).ok_or(bad)?,
                 "method" => options.method = Method::parse(value)?,
                 "fault" => options.fault = Some(value.parse()?),
                 _ => return Err("an argument is not known"),
             }
         }
-        options.raw_len = 2 * usize::from(options.config.width);
+        options.raw_len = options.wiring.row_bytes(options.config.width);
         if usize::from(options.config.width) > MAX_WIDTH || options.raw_len > MAX_RAW {
             return Err("the views are wider than 320 px");
         }

@@ -1,43 +1,35 @@
-//! Results into a file.
+//! Packets into a file.
 
-use haarline_firmware::edge::RowSink;
-use haarline_firmware::ring::{MAX_WIDTH, ResultRow};
+use haarline_firmware::edge::PacketSink;
 use semihosting::fs::File;
 use semihosting::io::Write;
 use semihosting::{eprintln, process};
 
 use crate::clock::TwinClock;
-use crate::file;
-use crate::report;
+use crate::options::Options;
+use crate::{file, report};
 
-/// Rows one after the other: frame and row as 32 bits, disparities as 16, confidences as 8, little-endian.
+/// Keeps the packets of the first and of the last frames.
 pub struct FileSink {
     file: File,
     clock: &'static TwinClock,
-    counters: haarline::Counters,
     startup_stack: usize,
+    /// Frames to keep at either end, of how many.
+    keep: u32,
+    frames: u32,
 }
 
 impl FileSink {
-    pub fn create(clock: &'static TwinClock, startup_stack: usize) -> Result<Self, &'static str> {
-        Ok(Self { file: file::create(file::ROWS)?, clock, counters: haarline::Counters::ZERO, startup_stack })
+    pub fn create(options: &Options, clock: &'static TwinClock, startup_stack: usize) -> Result<Self, &'static str> {
+        let Options { keep, frames, .. } = *options;
+        Ok(Self { file: file::create(file::ROWS)?, clock, startup_stack, keep, frames })
     }
 }
 
-impl RowSink for FileSink {
-    async fn send(&mut self, row: &ResultRow) {
-        self.counters = row.counters;
-        let mut bytes = heapless::Vec::<u8, { 8 + 3 * MAX_WIDTH }>::new();
-        let mut put = |part: &[u8]| {
-            let _ = bytes.extend_from_slice(part);
-        };
-        put(&row.place.frame.to_le_bytes());
-        put(&row.place.row.to_le_bytes());
-        for disparity in row.disparity.iter().take(row.width) {
-            put(&disparity.into_bits().to_le_bytes());
-        }
-        put(row.confidence.get(..row.width).unwrap_or(&[]));
-        if self.file.write_all(&bytes).is_err() {
+impl PacketSink for FileSink {
+    async fn send(&mut self, frame: u32, packet: &[u8]) {
+        let is_kept = frame < self.keep || frame >= self.frames.saturating_sub(self.keep);
+        if is_kept && self.file.write_all(packet).is_err() {
             eprintln!("error: results cannot be written");
             process::exit(1);
         }

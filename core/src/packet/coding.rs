@@ -1,0 +1,189 @@
+//! How the pixels of a row are written: runs of equal ones, or plain.
+//!
+//! A run is a token, whose low four bits hold its length less one, or 15 where one or two bytes with
+//! the length less 16 follow; then what the token's high bits ask for:
+//!
+//! | high bits | disparity | confidence |
+//! |---|---|---|
+//! | 0 | unknown | 0 |
+//! | 1 | two bytes | a byte |
+//! | 2 | the last known one and a signed byte | a byte |
+//! | 3 to 15 | the last known one and -6 to 6 | a byte |
+//!
+//! Before the first run of a row the last known disparity is 0. Two bytes are little-endian. A length
+//! less 16 is one byte below 255, else 255 and two bytes.
+
+use super::Coding;
+use crate::{Disparity, DisparityRow};
+
+const HOLE: u8 = 0;
+const WIDE: u8 = 1;
+const NARROW: u8 = 2;
+/// The token's high bits for no change; 6 less and more stand for as many steps.
+const SAME: u8 = 9;
+const MOST_STEPS: i16 = 6;
+/// The token's low bits where a longer length follows.
+const LONG: u16 = 15;
+
+/// Bytes that the pixels of a row need at most.
+pub(super) const fn max_bytes(width: u16) -> usize {
+    3 * width as usize
+}
+
+/// Some neighbours with the same disparity and confidence.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Run {
+    disparity: Disparity,
+    confidence: u8,
+    /// 1 and more.
+    length: u16,
+}
+
+/// The runs of a row of at most 65 535 px.
+fn runs(row: DisparityRow<'_>) -> impl Iterator<Item = Run> {
+    let mut pixels = row.disparity.iter().copied().zip(row.confidence.iter().copied()).peekable();
+    core::iter::from_fn(move || {
+        let (disparity, confidence) = pixels.next()?;
+        let mut length = 1;
+        while pixels.next_if_eq(&(disparity, confidence)).is_some() {
+            length += 1;
+        }
+        Some(Run { disparity, confidence, length })
+    })
+}
+
+/// Whether runs need no more bytes than plain pixels.
+pub(super) fn pays(row: DisparityRow<'_>) -> bool {
+    let mut room = 3 * row.disparity.len();
+    let mut take = |_| {
+        room = room.checked_sub(1).ok_or(())?;
+        Ok::<(), ()>(())
+    };
+    write(Coding::Runs, row, &mut take).is_ok()
+}
+
+/// Hands the bytes of the pixels to `push`, one by one.
+pub(super) fn write<E>(
+    coding: Coding,
+    row: DisparityRow<'_>,
+    push: &mut impl FnMut(u8) -> Result<(), E>,
+) -> Result<(), E> {
+    match coding {
+        Coding::Plain => {
+            for (disparity, &confidence) in row.disparity.iter().zip(row.confidence) {
+                let [low, high] = disparity.into_bits().to_le_bytes();
+                [low, high, confidence].into_iter().try_for_each(&mut *push)?;
+            }
+            Ok(())
+        }
+        Coding::Runs => {
+            let mut last = 0;
+            runs(row).try_for_each(|run| write_run(run, &mut last, push))
+        }
+    }
+}
+
+fn write_run<E>(run: Run, last: &mut i16, push: &mut impl FnMut(u8) -> Result<(), E>) -> Result<(), E> {
+    let bits = run.disparity.into_bits();
+    let change = bits.wrapping_sub(*last);
+    let [low, high] = bits.to_le_bytes();
+    let form = match (run.disparity.known(), run.confidence) {
+        (None, 0) => HOLE,
+        (None, _) => WIDE,
+        (Some(_), _) => form_of(change),
+    };
+    let short = (run.length - 1).min(LONG);
+    let [short, _] = short.to_le_bytes();
+    push(form << 4 | short)?;
+    if run.length > LONG {
+        write_length(run.length - 1 - LONG, push)?;
+    }
+    if form == HOLE {
+        return Ok(());
+    }
+    if form == WIDE {
+        push(low)?;
+        push(high)?;
+    } else if form == NARROW {
+        let [change, _] = change.to_le_bytes();
+        push(change)?;
+    }
+    *last = bits;
+    push(run.confidence)
+}
+
+fn form_of(change: i16) -> u8 {
+    if change.unsigned_abs() <= MOST_STEPS.unsigned_abs() {
+        let [change, _] = change.to_le_bytes();
+        SAME.wrapping_add(change)
+    } else if i8::try_from(change).is_ok() {
+        NARROW
+    } else {
+        WIDE
+    }
+}
+
+fn write_length<E>(more: u16, push: &mut impl FnMut(u8) -> Result<(), E>) -> Result<(), E> {
+    let [low, high] = more.to_le_bytes();
+    if more < 255 {
+        return push(low);
+    }
+    [255, low, high].into_iter().try_for_each(push)
+}
+
+/// Reads as many pixels as there is room for; `None` if the bytes are not exactly those.
+pub(super) fn read(coding: Coding, bytes: &[u8], disparity: &mut [Disparity], confidence: &mut [u8]) -> Option<()> {
+    match coding {
+        Coding::Plain => {
+            let (pixels, rest) = bytes.as_chunks::<3>();
+            if pixels.len() != disparity.len() || !rest.is_empty() {
+                return None;
+            }
+            for ((&[low, high, sure], disparity), confidence) in pixels.iter().zip(disparity).zip(confidence) {
+                *disparity = Disparity::from_bits(i16::from_le_bytes([low, high]));
+                *confidence = sure;
+            }
+            Some(())
+        }
+        Coding::Runs => read_runs(bytes, disparity, confidence),
+    }
+}
+
+fn read_runs(bytes: &[u8], disparity: &mut [Disparity], confidence: &mut [u8]) -> Option<()> {
+    let mut bytes = bytes.iter().copied();
+    let (mut last, mut x) = (0, 0);
+    while x < disparity.len() {
+        let run = read_run(&mut bytes, &mut last)?;
+        let end = x + usize::from(run.length);
+        disparity.get_mut(x..end)?.fill(run.disparity);
+        confidence.get_mut(x..end)?.fill(run.confidence);
+        x = end;
+    }
+    bytes.next().is_none().then_some(())
+}
+
+fn read_run(bytes: &mut impl Iterator<Item = u8>, last: &mut i16) -> Option<Run> {
+    let token = bytes.next()?;
+    let mut length = u16::from(token & 15) + 1;
+    if length > LONG {
+        length = length.checked_add(read_length(bytes)?)?;
+    }
+    let form = token >> 4;
+    if form == HOLE {
+        return Some(Run { disparity: Disparity::UNKNOWN, confidence: 0, length });
+    }
+    let bits = match form {
+        WIDE => i16::from_le_bytes([bytes.next()?, bytes.next()?]),
+        NARROW => last.wrapping_add(i16::from(i8::from_le_bytes([bytes.next()?]))),
+        near => last.wrapping_add(i16::from(near) - i16::from(SAME)),
+    };
+    *last = bits;
+    Some(Run { disparity: Disparity::from_bits(bits), confidence: bytes.next()?, length })
+}
+
+fn read_length(bytes: &mut impl Iterator<Item = u8>) -> Option<u16> {
+    match bytes.next()? {
+        255 => Some(u16::from_le_bytes([bytes.next()?, bytes.next()?])),
+        short => Some(short.into()),
+    }
+}
