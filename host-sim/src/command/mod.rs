@@ -6,6 +6,7 @@ mod depth;
 mod eval;
 mod play;
 mod shared;
+mod twin;
 
 use std::ffi::OsString;
 use std::io::{self, ErrorKind, Write};
@@ -39,6 +40,8 @@ enum Command {
     Play(play::Args),
     /// Scores the method full without one of its parts each: what every part brings
     Ablate(ablate::Args),
+    /// The firmware application on an emulated Cortex-M: same bytes, every instruction counted
+    Twin(twin::Args),
 }
 
 /// How a command ends when it does not succeed.
@@ -99,6 +102,7 @@ impl Cli {
             Command::Demo(args) => args.run()?,
             Command::Play(args) => args.run()?,
             Command::Ablate(args) => args.run()?,
+            Command::Twin(args) => args.run()?,
         }
         Ok(())
     }
@@ -107,7 +111,7 @@ impl Cli {
 /// clap's message in one line, without the usage.
 fn condense(error: &error::Error) -> String {
     if error.kind() == error::ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
-        return "a command is missing: depth, eval, demo, play or ablate; haarline --help tells more".to_owned();
+        return "a command is missing: depth, eval, demo, play, ablate or twin; haarline --help tells more".to_owned();
     }
     let text = error.to_string();
     let lines = text.lines().map(str::trim).filter(|line| !line.is_empty());

@@ -71,10 +71,10 @@ pub fn memory(program: &[u8], method: &str) -> Result<Memory> {
     let mut memory = Memory { static_ram: 0, method_ram: 0, ring_ram: 0, flash: 0, core_flash: 0 };
     for section in file.sections() {
         let SectionFlags::Elf { sh_flags, .. } = section.flags() else { bail!("no ELF program") };
-        if sh_flags & u64::from(elf::SHF_ALLOC) == 0 {
+        if sh_flags.0 & elf::SHF_ALLOC.0 == 0 {
             continue;
         }
-        let is_writable = sh_flags & u64::from(elf::SHF_WRITE) != 0;
+        let is_writable = sh_flags.0 & elf::SHF_WRITE.0 != 0;
         let has_bytes = section.file_range().is_some_and(|(_, size)| size > 0);
         memory.static_ram += if is_writable { section.size() } else { 0 };
         memory.flash += if has_bytes { section.size() } else { 0 };

@@ -21,7 +21,7 @@ const COREMARK_M33: f64 = 4.02;
 /// Supply, V.
 const SUPPLY: f64 = 3.3;
 
-/// A chip, as its data sheet has it.
+/// A chip, and the figures that estimates for it rest on.
 #[derive(Debug, Clone, Copy)]
 pub struct Chip {
     /// Name with clock.
@@ -43,21 +43,21 @@ pub const CHIPS: [Chip; 3] = [
         mhz: 168.0,
         cycles: CYCLES_M4,
         current: 238.0,
-        source: "data sheet DS8626, features: 238 uA/MHz at 168 MHz, peripherals off",
+        source: "238 uA/MHz at best, from vendor documents",
     },
     Chip {
         name: "STM32H743@480",
         mhz: 480.0,
         cycles: CYCLES_M4 * COREMARK_M4 / COREMARK_M7,
         current: 275.0,
-        source: "ST's product page: 275 uA/MHz, peripherals off (not checked against the data sheet's table)",
+        source: "275 uA/MHz, assumed, not checked against the data sheet",
     },
     Chip {
         name: "STM32U575@160",
         mhz: 160.0,
         cycles: CYCLES_M4 * COREMARK_M4 / COREMARK_M33,
         current: 19.5,
-        source: "data sheet DS13737, features: 19.5 uA/MHz with SMPS, peripherals off",
+        source: "19.5 uA/MHz with its step-down converter, from vendor documents",
     },
 ];
 
@@ -105,7 +105,10 @@ mod tests {
         // 785 pJ a cycle on the F407, 64 pJ on the U575, as the design notes have it.
         for (chip, picojoule) in [(CHIPS[0], 785.4), (CHIPS[2], 64.35)] {
             let estimate = chip.estimate(50.0, 320.0 * 240.0);
-            assert!((estimate.nj_per_pixel * 1000.0 / estimate.cycles_per_pixel - picojoule).abs() < 0.1, "{estimate:?}");
+            assert!(
+                (estimate.nj_per_pixel * 1000.0 / estimate.cycles_per_pixel - picojoule).abs() < 0.1,
+                "{estimate:?}"
+            );
         }
         let frames = CHIPS[0].estimate(50.0, 320.0 * 240.0).fps;
         assert!((33.0..35.0).contains(&frames), "{frames}");

@@ -74,9 +74,9 @@ impl Machine {
 
 fn missing(error: &std::io::Error) -> anyhow::Error {
     match error.kind() {
-        ErrorKind::NotFound => anyhow!(
-            "{QEMU} is missing: install it (Debian, Ubuntu: sudo apt install {QEMU}; macOS: brew install qemu)"
-        ),
+        ErrorKind::NotFound => {
+            anyhow!("{QEMU} is missing: install it (Debian, Ubuntu: sudo apt install {QEMU}; macOS: brew install qemu)")
+        }
         _ => anyhow!("{QEMU} cannot be run: {error}"),
     }
 }
