@@ -84,7 +84,7 @@ impl<const N: usize, const BLOCKS: usize> Matcher<FEATURE_ROWS, BLOCKS> for Agre
         self.pass_rightwards(&row, count);
         let mut right = Paths::<N>::EMPTY;
         for index in (0..count).rev() {
-            let (from_left, above) = (self.row[index], &mut self.above[index]);
+            let Some((&from_left, above)) = self.row.get(index).zip(self.above.get_mut(index)) else { continue };
             let from_right = Paths::new(from_left.labels, |_, label| {
                 label.cost + row.message_along(&right, label.disparity, [index, index + 1])
             });
