@@ -154,7 +154,7 @@ impl Args {
         let different = self.compare(&pairs, &maps, &request)?;
         let summary = self.summary(&request, &report, memory, maps.len(), different)?;
         print(&if self.json { serde_json::to_string(&summary)? + "\n" } else { summary.text() })?;
-        let damaged = self.damaged();
+        let damaged = request.damaged();
         let wrong: Vec<u32> = summary.different_frames.iter().copied().filter(|&f| Some(f) != damaged).collect();
         ensure!(wrong.is_empty(), Finding(format!("the map of frame {} is not the host's, byte for byte", wrong[0])));
         Ok(())
@@ -193,11 +193,6 @@ impl Args {
             output::write(&path, &pfm::encode(map))?;
         }
         Ok(())
-    }
-
-    /// The frame that a fault is in.
-    fn damaged(&self) -> Option<u32> {
-        self.fault.as_deref()?.split_once('@')?.1.parse().ok()
     }
 
     /// The frames whose maps are not the host's.

@@ -1,6 +1,5 @@
 //! QEMU, and one run of the program in it.
 
-use std::ffi::OsStr;
 use std::fs::File;
 use std::io::{ErrorKind, Read as _};
 use std::path::Path;
@@ -94,11 +93,4 @@ fn wait(child: &mut Child, limit: Duration) -> Result<Option<i32>> {
         }
         thread::sleep(Duration::from_millis(5));
     }
-}
-
-/// Whether a program of that name can be found.
-#[must_use]
-pub fn is_installed() -> bool {
-    let check = |name: &OsStr| Command::new(name).arg("--version").stdout(Stdio::null()).status();
-    check(OsStr::new(QEMU)).is_ok_and(|status| status.success())
 }

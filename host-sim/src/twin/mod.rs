@@ -99,13 +99,26 @@ impl Request {
         arguments
     }
 
+    /// The frame that the fault is in.
+    #[must_use]
+    pub fn damaged(&self) -> Option<u32> {
+        self.fault.as_deref()?.split_once('@')?.1.parse().ok()
+    }
+
     /// Checks what only the program's memory limits.
     ///
     /// # Errors
-    /// If the views are too wide.
+    /// If the views are too wide, or the fault is in no frame.
     pub fn check(&self) -> Result<()> {
         let width = self.config.width;
         ensure!(width <= 320, "the views are {width} px wide, the emulated application takes up to 320: scale them");
+        let frame = self.damaged();
+        ensure!(
+            frame.is_none_or(|frame| frame < self.frames),
+            "--fault {}: frames are counted from 0, and {} frame(s) are played: ask for more by --frames",
+            self.fault.as_deref().unwrap_or_default(),
+            self.frames
+        );
         Ok(())
     }
 }

@@ -14,3 +14,4 @@ mod eval;
 mod files;
 mod scene;
 mod tool;
+mod twin;
