@@ -20,8 +20,9 @@ fn main() {
     println!("cargo:rustc-link-search={}", out.display());
     println!("cargo:rustc-link-arg-bin=firmware=-Tlink.x");
 
-    // The emulated machine: a linker script of its own.
-    let machine = package.join("memory/mps2-an386.x");
+    // The emulated machines: a linker script of their own, and what defmt needs.
+    let machine = package.join("memory/mps2.x");
     println!("cargo:rerun-if-changed={}", machine.display());
-    println!("cargo:rustc-link-arg-bin=bare=-T{}", machine.display());
+    println!("cargo:rustc-link-arg-bin=twin=-T{}", machine.display());
+    println!("cargo:rustc-link-arg-bin=twin=-Tdefmt.x");
 }

@@ -11,7 +11,7 @@ pub struct Counters {
     /// Rows left out, because the vision task was late or because their line was lost; the method was
     /// told that they are missing.
     pub dropped_rows: u32,
-    /// Frames left out whole, because the vision task was late.
+    /// Frames left out, whole or from some row on, because the vision task was late.
     pub dropped_frames: u32,
     /// Times that the port lost bytes because nothing fetched them in time; the frame ends there.
     pub overruns: u32,

@@ -11,6 +11,7 @@ use crate::noise::SmoothingLevel;
 use crate::path::{Paths, Penalties};
 use crate::pipeline::Pipeline;
 use crate::search::{Bias, Decided, search_block};
+use crate::stage::{self, StageClock, Untimed};
 
 /// Feature rows in reach: those of the block row under way and of the one above, which is decided one
 /// row late.
@@ -42,7 +43,7 @@ const MOST_COST_MARGIN: i32 = 240;
 /// assert!(size_of_val(&full) <= 24 * 1024);
 /// # Ok::<(), haarline::ConfigError>(())
 /// ```
-pub type Full<const BLOCKS: usize> = Pipeline<Agreement<LABELS, BLOCKS>, FEATURE_ROWS, BLOCKS>;
+pub type Full<const BLOCKS: usize, C = Untimed> = Pipeline<Agreement<LABELS, BLOCKS>, FEATURE_ROWS, BLOCKS, C>;
 
 /// [`Full`] with room for all disparities as labels but one of 256: an upper bound for studies, not for a chip.
 pub type Exhaustive<const BLOCKS: usize> = Pipeline<Agreement<255, BLOCKS>, FEATURE_ROWS, BLOCKS>;
@@ -67,16 +68,23 @@ impl<const N: usize, const BLOCKS: usize> Matcher<FEATURE_ROWS, BLOCKS> for Agre
         self.above.fill(Paths::EMPTY);
     }
 
-    fn decide(&mut self, stage: &Stage<'_, FEATURE_ROWS, BLOCKS>, blocks: &mut BlockRows<BLOCKS>) {
+    fn decide(
+        &mut self,
+        stage: &Stage<'_, FEATURE_ROWS, BLOCKS>,
+        blocks: &mut BlockRows<BLOCKS>,
+        clock: &impl StageClock,
+    ) {
+        clock.enter(stage::Stage::Blocks);
         let row = Row::new(stage, blocks.len());
         let last = Row::new(stage, blocks.len().saturating_sub(1));
         let count = stage.config.blocks();
         let mut begun = blocks.begin(count);
         self.collect_labels(&row, begun.above.as_deref());
+        clock.enter(stage::Stage::Agreement);
         self.pass_rightwards(&row, count);
         let mut right = Paths::<N>::EMPTY;
         for index in (0..count).rev() {
-            let (from_left, above) = (self.row[index], &mut self.above[index]);
+            let Some((&from_left, above)) = self.row.get(index).zip(self.above.get_mut(index)) else { continue };
             let from_right = Paths::new(from_left.labels, |_, label| {
                 label.cost + row.message_along(&right, label.disparity, [index, index + 1])
             });
@@ -92,6 +100,7 @@ impl<const N: usize, const BLOCKS: usize> Matcher<FEATURE_ROWS, BLOCKS> for Agre
             }
             right = from_right;
         }
+        clock.enter(stage::Stage::Consistency);
         if let Some(above) = begun.above {
             choose_sources(above, begun.second_above, &last.cost.left, &last.cost.right);
         }

@@ -8,6 +8,7 @@ use crate::label::Labels;
 use crate::matcher::{Matcher, Stage};
 use crate::pipeline::Pipeline;
 use crate::search::{Bias, Decided, search_block};
+use crate::stage::{self, StageClock, Untimed};
 
 /// Columns of a block's window; two more than the block on either side.
 const WIDTH: usize = 8;
@@ -34,7 +35,7 @@ const LABELS: usize = 10;
 /// assert_eq!(rows, 240);
 /// # Ok::<(), haarline::ConfigError>(())
 /// ```
-pub type Lite<const BLOCKS: usize> = Pipeline<Greedy, ROWS, BLOCKS>;
+pub type Lite<const BLOCKS: usize, C = Untimed> = Pipeline<Greedy, ROWS, BLOCKS, C>;
 
 /// The matcher of [`Lite`]: every block for itself, no state beyond the blocks above.
 #[derive(Debug, Clone, Default)]
@@ -43,7 +44,8 @@ pub struct Greedy;
 impl<const BLOCKS: usize> Matcher<ROWS, BLOCKS> for Greedy {
     fn clear(&mut self) {}
 
-    fn decide(&mut self, stage: &Stage<'_, ROWS, BLOCKS>, blocks: &mut BlockRows<BLOCKS>) {
+    fn decide(&mut self, stage: &Stage<'_, ROWS, BLOCKS>, blocks: &mut BlockRows<BLOCKS>, clock: &impl StageClock) {
+        clock.enter(stage::Stage::Blocks);
         let (left, right) = stage.features(blocks.len());
         let cost = BlockCost::<WIDTH> { config: stage.config, left, right };
         let Begun { row, above, .. } = blocks.begin(stage.config.blocks());
@@ -54,6 +56,7 @@ impl<const BLOCKS: usize> Matcher<ROWS, BLOCKS> for Greedy {
             *block = greedy_block(stage, &cost, index, decided);
             decided.left = block.as_ref().map(Block::px);
         }
+        clock.enter(stage::Stage::Consistency);
         choose_sources(row, above, &left, &right);
     }
 

@@ -7,6 +7,7 @@ use crate::noise::Noise;
 use crate::parts::Parts;
 use crate::ring::MARGIN;
 use crate::seed::Seeds;
+use crate::stage::StageClock;
 use crate::texture::Texture;
 use crate::view::View;
 
@@ -16,7 +17,12 @@ pub trait Matcher<const FEATURE_ROWS: usize, const BLOCKS: usize> {
     fn clear(&mut self);
 
     /// Begins the next row of `blocks`, and makes the one above final.
-    fn decide(&mut self, stage: &Stage<'_, FEATURE_ROWS, BLOCKS>, blocks: &mut BlockRows<BLOCKS>);
+    fn decide(
+        &mut self,
+        stage: &Stage<'_, FEATURE_ROWS, BLOCKS>,
+        blocks: &mut BlockRows<BLOCKS>,
+        clock: &impl StageClock,
+    );
 
     /// Makes the last row final.
     fn finish(&mut self, stage: &Stage<'_, FEATURE_ROWS, BLOCKS>, blocks: &mut BlockRows<BLOCKS>);

@@ -8,6 +8,7 @@ use crate::noise::{Noise, SmoothingLevel};
 use crate::parts::Parts;
 use crate::ring::MARGIN;
 use crate::seed::Seeds;
+use crate::stage::{self, StageClock, Untimed};
 use crate::texture::Texture;
 use crate::view::{SMOOTH_LAG, View, sum_rows};
 use crate::{Config, ConfigError, DisparityRow, RowError, ScanlinePair, StereoMethod};
@@ -41,7 +42,7 @@ pub const fn blocks_for(width: u16) -> usize {
 /// row to row is in here; on the stack a few lines of scratch come and go, less than 16 bytes a
 /// column.
 #[derive(Debug, Clone)]
-pub struct Pipeline<M, const FEATURE_ROWS: usize, const BLOCKS: usize> {
+pub struct Pipeline<M, const FEATURE_ROWS: usize, const BLOCKS: usize, C = Untimed> {
     config: Config,
     parts: Parts,
     left: View<FEATURE_ROWS, BLOCKS>,
@@ -58,6 +59,7 @@ pub struct Pipeline<M, const FEATURE_ROWS: usize, const BLOCKS: usize> {
     /// Rows of this frame delivered so far.
     answered: u32,
     missing: MissingRows,
+    clock: C,
 }
 
 /// Which of the last 32 rows were missing: more than the latency.
@@ -75,7 +77,7 @@ impl MissingRows {
     }
 }
 
-impl<M, const FEATURE_ROWS: usize, const BLOCKS: usize> Pipeline<M, FEATURE_ROWS, BLOCKS> {
+impl<M, const FEATURE_ROWS: usize, const BLOCKS: usize, C> Pipeline<M, FEATURE_ROWS, BLOCKS, C> {
     /// Rows that come in after a row before it goes out, at most: the window of the next block row
     /// and the front end's lag.
     pub const LATENCY: u32 = 2 * SIZE_U32 + FEATURE_LAG;
@@ -98,6 +100,24 @@ where
     /// # Errors
     /// If the configuration is invalid or the width over the capacity.
     pub fn with_parts(config: Config, parts: Parts) -> Result<Self, ConfigError> {
+        Self::build(config, parts, Untimed)
+    }
+}
+
+impl<M, const FEATURE_ROWS: usize, const BLOCKS: usize, C> Pipeline<M, FEATURE_ROWS, BLOCKS, C>
+where
+    M: Matcher<FEATURE_ROWS, BLOCKS> + Default,
+    C: StageClock,
+{
+    /// Builds the method for rows of `config.width` px, with a clock that is told of its stages.
+    ///
+    /// # Errors
+    /// If the configuration is invalid or the width over the capacity.
+    pub fn timed(config: Config, clock: C) -> Result<Self, ConfigError> {
+        Self::build(config, Parts::ALL, clock)
+    }
+
+    fn build(config: Config, parts: Parts, clock: C) -> Result<Self, ConfigError> {
         config.check()?;
         if blocks_for(config.width) > BLOCKS {
             let max_width = u16::try_from(SIZE * BLOCKS.saturating_sub(blocks_for(0))).unwrap_or(u16::MAX);
@@ -117,13 +137,15 @@ where
             rows: 0,
             answered: 0,
             missing: MissingRows::default(),
+            clock,
         })
     }
 }
 
-impl<M, const FEATURE_ROWS: usize, const BLOCKS: usize> Pipeline<M, FEATURE_ROWS, BLOCKS>
+impl<M, const FEATURE_ROWS: usize, const BLOCKS: usize, C> Pipeline<M, FEATURE_ROWS, BLOCKS, C>
 where
     M: Matcher<FEATURE_ROWS, BLOCKS>,
+    C: StageClock,
 {
     /// Goes as far as the newest row of both views allows.
     fn advance(&mut self, sink: &mut dyn FnMut(DisparityRow<'_>)) {
@@ -134,7 +156,9 @@ where
             self.left.smooth_row(self.noise.level, gain, width);
             self.right.smooth_row(self.noise.level, gain, width);
             if self.left.smooth.len().is_multiple_of(SIZE_U32) {
+                self.clock.enter(stage::Stage::Contours);
                 self.find_contours(width);
+                self.clock.enter(stage::Stage::Features);
             }
         }
         if newest >= FEATURE_LAG {
@@ -174,13 +198,14 @@ where
         // The three rows in the middle of the block row, where its contours are.
         let middle = i64::from(self.blocks.len() * SIZE_U32) + 1;
         let (left, right) = (self.left.features.window::<3>(middle), self.right.features.window::<3>(middle));
+        self.clock.enter(stage::Stage::Seeds);
         self.seeds.find(&self.config, &left, &right);
-        let (stage, matcher, blocks) = self.stage();
-        matcher.decide(&stage, blocks);
+        let (stage, matcher, blocks, clock) = self.stage();
+        matcher.decide(&stage, blocks, clock);
     }
 
     /// What the matcher sees, apart from what it changes.
-    fn stage(&mut self) -> (Stage<'_, FEATURE_ROWS, BLOCKS>, &mut M, &mut BlockRows<BLOCKS>) {
+    fn stage(&mut self) -> (Stage<'_, FEATURE_ROWS, BLOCKS>, &mut M, &mut BlockRows<BLOCKS>, &C) {
         let stage = Stage {
             config: &self.config,
             seeds: &self.seeds,
@@ -191,7 +216,7 @@ where
             left: &self.left,
             right: &self.right,
         };
-        (stage, &mut self.matcher, &mut self.blocks)
+        (stage, &mut self.matcher, &mut self.blocks, &self.clock)
     }
 
     fn texture(&self) -> Texture {
@@ -200,18 +225,26 @@ where
 
     /// Delivers the rows of the last block row but one, or of the last one at the end of the frame.
     fn answer(&mut self, sink: &mut dyn FnMut(DisparityRow<'_>), at_end: bool) {
+        self.clock.enter(stage::Stage::Consistency);
         let texture = self.texture();
         let Some(blocks) = self.blocks.neighbourhood(self.config.blocks(), at_end) else { return };
         let rows = self.answered..(self.answered + SIZE_U32).min(self.rows);
         self.answered = rows.end;
         let missing = self.missing;
-        answer::<BLOCKS>(&self.config, texture, blocks, rows, |y| missing.has(y), sink);
+        let clock = &self.clock;
+        let mut hand_over = |row: DisparityRow<'_>| {
+            clock.enter(stage::Stage::Output);
+            sink(row);
+            clock.enter(stage::Stage::Consistency);
+        };
+        answer::<BLOCKS>(&self.config, texture, blocks, rows, |y| missing.has(y), &mut hand_over);
     }
 }
 
-impl<M, const FEATURE_ROWS: usize, const BLOCKS: usize> StereoMethod for Pipeline<M, FEATURE_ROWS, BLOCKS>
+impl<M, const FEATURE_ROWS: usize, const BLOCKS: usize, C> StereoMethod for Pipeline<M, FEATURE_ROWS, BLOCKS, C>
 where
     M: Matcher<FEATURE_ROWS, BLOCKS>,
+    C: StageClock,
 {
     fn config(&self) -> &Config {
         &self.config
@@ -229,6 +262,7 @@ where
 
     fn push(&mut self, pair: ScanlinePair<'_>, sink: &mut dyn FnMut(DisparityRow<'_>)) -> Result<(), RowError> {
         pair.check(self.config.width)?;
+        self.clock.enter(stage::Stage::Features);
         self.left.raw.push_pixels(pair.left);
         self.right.raw.push_pixels(pair.right);
         self.missing.set(self.rows, false);
@@ -250,6 +284,7 @@ where
     }
 
     fn miss(&mut self, sink: &mut dyn FnMut(DisparityRow<'_>)) {
+        self.clock.enter(stage::Stage::Features);
         self.left.raw.push_again();
         self.right.raw.push_again();
         self.missing.set(self.rows, true);
@@ -258,15 +293,18 @@ where
     }
 
     fn finish(&mut self, sink: &mut dyn FnMut(DisparityRow<'_>)) {
+        self.clock.enter(stage::Stage::Features);
         // The last row stands in for those below the image until all block rows are decided.
         let block_rows = self.rows.div_ceil(SIZE_U32);
         while self.blocks.len() < block_rows {
+            self.clock.enter(stage::Stage::Features);
             self.left.raw.push_again();
             self.right.raw.push_again();
             self.advance(sink);
         }
         if self.answered < self.rows {
-            let (stage, matcher, blocks) = self.stage();
+            self.clock.enter(stage::Stage::Consistency);
+            let (stage, matcher, blocks, _) = self.stage();
             matcher.finish(&stage, blocks);
             self.answer(sink, true);
         }

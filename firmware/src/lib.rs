@@ -1,4 +1,19 @@
-//! What the programs of this package share.
+//! The application, and what the programs of this package share.
+//!
+//! Three tasks and two rings of rows between them: [`capture`] takes what the camera delivers and is
+//! never blocked, [`vision`] runs the stereo method, [`results`] sends the disparity rows off. Boards
+//! and the emulated machine differ in the two edges only, [`edge::RowSource`] and [`edge::PacketSink`].
 #![no_std]
 
 pub mod picture;
+
+#[cfg(target_os = "none")]
+pub mod capture;
+#[cfg(target_os = "none")]
+pub mod edge;
+#[cfg(target_os = "none")]
+pub mod results;
+#[cfg(target_os = "none")]
+pub mod ring;
+#[cfg(target_os = "none")]
+pub mod vision;

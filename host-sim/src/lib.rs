@@ -10,6 +10,7 @@
 //!   (maps from a chip's row packets);
 //! - judged: [`score`] and [`sparsification`], [`baselines`] (OpenCV's figures), [`evaluation`] of many
 //!   scenes, [`ablation`] (what the parts of a method bring), [`report`];
+//! - on the chip: [`twin`] runs the firmware application in QEMU;
 //! - [`command`]: the commands of the `haarline` tool.
 #![allow(
     clippy::cast_possible_truncation,
@@ -41,6 +42,7 @@ pub mod score;
 pub mod sparsification;
 pub mod study;
 pub mod synthetic;
+pub mod twin;
 
 pub use disparity_map::DisparityMap;
 pub use frame::{Frame, StereoPair};

@@ -44,6 +44,7 @@ mod view;
 mod winner;
 
 use haarline::{Config, ConfigError, Disparity, DisparityRow, RowError, ScanlinePair, StereoMethod};
+use haarline::{Stage, StageClock, Untimed};
 
 use area::SearchArea;
 pub use prefilter::sobel_x;
@@ -72,7 +73,7 @@ use winner::Winner;
 /// assert_eq!(method.config().num_disparities, 48);
 /// ```
 #[derive(Debug, Clone)]
-pub struct StereoBm<const WIDTH: usize, const DISPARITIES: usize, const WINDOW: usize = 9> {
+pub struct StereoBm<const WIDTH: usize, const DISPARITIES: usize, const WINDOW: usize = 9, C = Untimed> {
     config: Config,
     settings: BlockSettings,
     /// Columns to answer; none if the range is too large for the row.
@@ -92,19 +93,32 @@ pub struct StereoBm<const WIDTH: usize, const DISPARITIES: usize, const WINDOW: 
     window_texture: u32,
     disparity: [Disparity; WIDTH],
     confidence: [u8; WIDTH],
+    clock: C,
 }
 
 impl<const WIDTH: usize, const DISPARITIES: usize, const WINDOW: usize> StereoBm<WIDTH, DISPARITIES, WINDOW> {
-    /// Pixels of the window to each side of its centre.
-    #[expect(clippy::cast_possible_truncation, reason = "a window of at most 21 px")]
-    const RADIUS: u32 = (WINDOW / 2) as u32;
-
     /// Prepares the first frame.
     ///
     /// # Errors
     /// If `config` is out of range, or over the capacity: [`ConfigError::Capacity`] for the width,
     /// [`ConfigError::DisparityCapacity`] for more than `DISPARITIES`.
     pub fn new(config: Config, settings: BlockSettings) -> Result<Self, ConfigError> {
+        Self::timed(config, settings, Untimed)
+    }
+}
+
+impl<const WIDTH: usize, const DISPARITIES: usize, const WINDOW: usize, C: StageClock>
+    StereoBm<WIDTH, DISPARITIES, WINDOW, C>
+{
+    /// Pixels of the window to each side of its centre.
+    #[expect(clippy::cast_possible_truncation, reason = "a window of at most 21 px")]
+    const RADIUS: u32 = (WINDOW / 2) as u32;
+
+    /// As [`new`](StereoBm::new), with a clock that is told of the stages.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn timed(config: Config, settings: BlockSettings, clock: C) -> Result<Self, ConfigError> {
         const {
             assert!(WINDOW % 2 == 1 && 5 <= WINDOW && WINDOW <= 21, "an odd window of 5 to 21 px");
             assert!(0 < DISPARITIES && DISPARITIES <= Config::MAX_DISPARITIES as usize);
@@ -133,6 +147,7 @@ impl<const WIDTH: usize, const DISPARITIES: usize, const WINDOW: usize> StereoBm
             window_texture: 0,
             disparity: [Disparity::UNKNOWN; WIDTH],
             confidence: [0; WIDTH],
+            clock,
         };
         method.start();
         Ok(method)
@@ -157,8 +172,10 @@ impl<const WIDTH: usize, const DISPARITIES: usize, const WINDOW: usize> StereoBm
     /// Moves the window down to row `y`, and delivers the row in its middle.
     fn enter(&mut self, y: u32, last: bool, sink: &mut dyn FnMut(DisparityRow<'_>)) {
         let (width, cap) = (usize::from(self.config.width), self.settings.prefilter_cap);
+        self.clock.enter(Stage::Features);
         self.left.prefilter(y, width, last, cap);
         self.right.prefilter(y, width, last, cap);
+        self.clock.enter(Stage::Blocks);
         if let Some(area) = self.area {
             self.update_columns(area, y);
         }
@@ -254,12 +271,13 @@ impl<const WIDTH: usize, const DISPARITIES: usize, const WINDOW: usize> StereoBm
     /// Hands the row over as row `y` of the frame.
     fn deliver(&self, y: u32, sink: &mut dyn FnMut(DisparityRow<'_>)) {
         let width = usize::from(self.config.width);
+        self.clock.enter(Stage::Output);
         sink(DisparityRow { y, disparity: &self.disparity[..width], confidence: &self.confidence[..width] });
     }
 }
 
-impl<const WIDTH: usize, const DISPARITIES: usize, const WINDOW: usize> StereoMethod
-    for StereoBm<WIDTH, DISPARITIES, WINDOW>
+impl<const WIDTH: usize, const DISPARITIES: usize, const WINDOW: usize, C: StageClock> StereoMethod
+    for StereoBm<WIDTH, DISPARITIES, WINDOW, C>
 {
     fn config(&self) -> &Config {
         &self.config
@@ -280,6 +298,7 @@ impl<const WIDTH: usize, const DISPARITIES: usize, const WINDOW: usize> StereoMe
                 return Err(RowError::Width { expected: self.config.width, found: view.len() });
             }
         }
+        self.clock.enter(Stage::Features);
         self.left.take(self.rows, pair.left);
         self.right.take(self.rows, pair.right);
         self.count(false, sink);
@@ -287,6 +306,7 @@ impl<const WIDTH: usize, const DISPARITIES: usize, const WINDOW: usize> StereoMe
     }
 
     fn miss(&mut self, sink: &mut dyn FnMut(DisparityRow<'_>)) {
+        self.clock.enter(Stage::Features);
         self.left.stand_in(self.rows);
         self.right.stand_in(self.rows);
         self.count(true, sink);

@@ -7,13 +7,14 @@ mod eval;
 mod play;
 mod record;
 mod shared;
+mod twin;
 
 use std::ffi::OsString;
 use std::io::{self, ErrorKind, Write};
 use std::{env, fmt};
 
 use anyhow::{Context, Result};
-use clap::{Parser, Subcommand, error};
+use clap::{CommandFactory, Parser, Subcommand, error};
 
 /// Exit status of wrong input: files, options, anything the user can put right.
 const STATUS_INPUT: u8 = 2;
@@ -42,6 +43,8 @@ enum Command {
     Record(record::Args),
     /// Scores the method full without one of its parts each: what every part brings
     Ablate(ablate::Args),
+    /// The firmware application on an emulated Cortex-M: same bytes, every instruction counted
+    Twin(twin::Args),
 }
 
 /// How a command ends when it does not succeed.
@@ -103,6 +106,7 @@ impl Cli {
             Command::Play(args) => args.run()?,
             Command::Record(args) => args.run()?,
             Command::Ablate(args) => args.run()?,
+            Command::Twin(args) => args.run()?,
         }
         Ok(())
     }
@@ -111,8 +115,8 @@ impl Cli {
 /// clap's message in one line, without the usage.
 fn condense(error: &error::Error) -> String {
     if error.kind() == error::ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
-        return "a command is missing: depth, eval, demo, play, record or ablate; haarline --help tells more"
-            .to_owned();
+        let names: Vec<_> = Cli::command().get_subcommands().map(|command| command.get_name().to_owned()).collect();
+        return format!("a command is missing: {}; haarline --help tells more", names.join(", "));
     }
     let text = error.to_string();
     let lines = text.lines().map(str::trim).filter(|line| !line.is_empty());

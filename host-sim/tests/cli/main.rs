@@ -15,3 +15,4 @@ mod files;
 mod record;
 mod scene;
 mod tool;
+mod twin;

@@ -1,0 +1,100 @@
+//! The program: the three tasks between two files.
+
+use defmt_semihosting as _;
+use embassy_executor::{Executor, Spawner};
+use embassy_sync::blocking_mutex::raw::ThreadModeRawMutex;
+use embassy_sync::zerocopy_channel::Channel;
+use haarline::{StereoMethod, Wiring};
+use haarline_firmware::ring::{From, RAW_ROWS, RESULT_ROWS, RawRow, ResultRow, SharedCounters, To};
+use haarline_firmware::{capture, results, vision};
+use semihosting::{eprintln, process};
+use static_cell::{ConstStaticCell, StaticCell};
+
+use crate::clock::TwinClock;
+use crate::options::Options;
+use crate::sink::FileSink;
+use crate::source::FileSource;
+use crate::{methods, stack, time};
+
+/// What happened to the camera's frames.
+pub static COUNTERS: SharedCounters = SharedCounters::new();
+
+static CLOCK: ConstStaticCell<TwinClock> = ConstStaticCell::new(TwinClock::new());
+static RAW_RING: ConstStaticCell<[RawRow; RAW_ROWS]> = ConstStaticCell::new([RawRow::EMPTY; RAW_ROWS]);
+static RESULT_RING: ConstStaticCell<[ResultRow; RESULT_ROWS]> = ConstStaticCell::new([ResultRow::EMPTY; RESULT_ROWS]);
+static RAW: StaticCell<Channel<'static, ThreadModeRawMutex, RawRow>> = StaticCell::new();
+static RESULTS: StaticCell<Channel<'static, ThreadModeRawMutex, ResultRow>> = StaticCell::new();
+static EXECUTOR: StaticCell<Executor> = StaticCell::new();
+
+/// What start-up makes for the tasks.
+struct Parts {
+    options: Options,
+    clock: &'static TwinClock,
+    method: &'static mut dyn StereoMethod,
+    source: FileSource,
+    sink: FileSink,
+}
+
+#[cortex_m_rt::entry]
+fn main() -> ! {
+    stack::paint();
+    match start() {
+        Ok(parts) => {
+            // From here on it is the application's own depth that counts.
+            stack::paint();
+            EXECUTOR.init(Executor::new()).run(|spawner| spawn(spawner, parts))
+        }
+        Err(message) => {
+            eprintln!("error: {message}");
+            process::exit(1)
+        }
+    }
+}
+
+#[inline(never)]
+fn start() -> Result<Parts, &'static str> {
+    let args = semihosting::experimental::env::args::<1024>().map_err(|_| "no command line")?;
+    let options = Options::parse((&args).into_iter().skip(1).filter_map(Result::ok))?;
+    let clock = CLOCK.take();
+    clock.start()?;
+    let core = cortex_m::Peripherals::take().ok_or("the peripherals are gone")?;
+    time::start(core.SYST);
+    let method = methods::build(&options, clock)?;
+    let source = FileSource::open(&options)?;
+    let sink = FileSink::create(&options, clock, stack::high_water())?;
+    Ok(Parts { options, clock, method, source, sink })
+}
+
+fn spawn(spawner: Spawner, parts: Parts) {
+    let Parts { options, clock, method, source, sink } = parts;
+    let raw = RAW.init(Channel::new(RAW_RING.take()));
+    let (raw_to, raw_from) = raw.split();
+    let results = RESULTS.init(Channel::new(RESULT_RING.take()));
+    let (results_to, results_from) = results.split();
+    let size = [options.config.width, u16::try_from(options.height).unwrap_or(u16::MAX)];
+    // Each is spawned once, at start-up.
+    spawner.spawn(capture_task(source, raw_to, options).unwrap());
+    spawner.spawn(vision_task(method, options.wiring, clock, raw_from, results_to).unwrap());
+    spawner.spawn(results_task(results_from, sink, size).unwrap());
+}
+
+#[embassy_executor::task]
+async fn capture_task(source: FileSource, ring: To<RawRow>, options: Options) {
+    capture::capture(source, ring, &COUNTERS, options.raw_len, options.height).await;
+}
+
+#[embassy_executor::task]
+async fn vision_task(
+    method: &'static mut dyn StereoMethod,
+    wiring: Wiring,
+    clock: &'static TwinClock,
+    raw: From<RawRow>,
+    rows: To<ResultRow>,
+) {
+    vision::vision(method, wiring, clock, raw, rows, &COUNTERS).await;
+}
+
+#[embassy_executor::task]
+async fn results_task(rows: From<ResultRow>, sink: FileSink, size: [u16; 2]) {
+    results::results(rows, sink, size).await;
+}

@@ -1,0 +1,22 @@
+//! Files of the host.
+
+use core::ffi::CStr;
+
+use semihosting::fs::File;
+
+/// Raw rows of the camera, frame after frame.
+pub const RAW: &CStr = c"raw.bin";
+/// Disparity rows.
+pub const ROWS: &CStr = c"rows.bin";
+/// What the run cost.
+pub const REPORT: &CStr = c"report.txt";
+
+/// Opens a file that has to be there.
+pub fn open(name: &CStr) -> Result<File, &'static str> {
+    File::open(name).map_err(|_| "raw.bin cannot be opened")
+}
+
+/// Creates a file.
+pub fn create(name: &CStr) -> Result<File, &'static str> {
+    File::create(name).map_err(|_| "a file cannot be created")
+}

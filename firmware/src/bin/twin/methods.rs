@@ -1,0 +1,36 @@
+//! The stereo methods, each with its place in memory. The sizes of these statics are what the host
+//! reports as the methods' memory.
+
+use haarline::{ConfigError, Full, Lite, StereoMethod, blocks_for};
+use haarline_firmware::ring::MAX_WIDTH;
+use haarline_tests::{BlockSettings, StereoBm};
+use static_cell::StaticCell;
+
+use crate::clock::TwinClock;
+use crate::options::{Method, Options};
+
+const BLOCKS: usize = blocks_for(320);
+/// Disparities that `block` has room for.
+const BLOCK_DISPARITIES: usize = 128;
+
+type Clock = &'static TwinClock;
+
+static METHOD_LITE: StaticCell<Lite<BLOCKS, Clock>> = StaticCell::new();
+static METHOD_FULL: StaticCell<Full<BLOCKS, Clock>> = StaticCell::new();
+static METHOD_BLOCK: StaticCell<StereoBm<MAX_WIDTH, BLOCK_DISPARITIES, 9, Clock>> = StaticCell::new();
+
+/// Builds the method that is asked for.
+#[inline(never)]
+pub fn build(options: &Options, clock: Clock) -> Result<&'static mut dyn StereoMethod, &'static str> {
+    let refused = |error: ConfigError| match error {
+        ConfigError::DisparityCapacity { .. } => "block has room for 128 disparities",
+        _ => "the disparities or the width are out of range",
+    };
+    Ok(match options.method {
+        Method::Lite => METHOD_LITE.init(Lite::timed(options.config, clock).map_err(refused)?),
+        Method::Full => METHOD_FULL.init(Full::timed(options.config, clock).map_err(refused)?),
+        Method::Block => {
+            METHOD_BLOCK.init(StereoBm::timed(options.config, BlockSettings::default(), clock).map_err(refused)?)
+        }
+    })
+}

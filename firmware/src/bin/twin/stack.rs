@@ -1,0 +1,44 @@
+//! How deep the stack went: it is painted, and later looked at.
+
+const PAINT: u32 = 0xA5A5_5A5A;
+/// Left alone below the frame that paints, bytes.
+const SPARE: usize = 64;
+
+#[expect(unsafe_code, reason = "symbols of the linker script")]
+unsafe extern "C" {
+    static mut _stack_end: u32;
+    static mut _stack_start: u32;
+}
+
+/// Lowest and highest address of the stack.
+fn bounds() -> (*mut u32, *mut u32) {
+    (&raw mut _stack_end, &raw mut _stack_start)
+}
+
+/// Paints what is not in use.
+#[inline(never)]
+#[expect(unsafe_code, reason = "writes memory that nobody uses")]
+pub fn paint() {
+    let here = 0_u32;
+    let (mut word, _) = bounds();
+    let end = (&raw const here).addr() - SPARE;
+    while word.addr() < end {
+        // SAFETY: between the end of the static memory and the frame of this function is nothing.
+        unsafe {
+            word.write_volatile(PAINT);
+            word = word.add(1);
+        }
+    }
+}
+
+/// Most bytes in use since it was painted.
+#[expect(unsafe_code, reason = "reads memory that nobody owns")]
+pub fn high_water() -> usize {
+    let (mut word, top) = bounds();
+    // SAFETY: inside the stack's memory, of which every word can be read.
+    while word < top && unsafe { word.read_volatile() } == PAINT {
+        // SAFETY: still inside.
+        word = unsafe { word.add(1) };
+    }
+    top.addr() - word.addr()
+}

@@ -1,0 +1,128 @@
+//! What the rings between the tasks hold.
+
+use core::cell::Cell;
+
+use embassy_sync::blocking_mutex::Mutex;
+use embassy_sync::blocking_mutex::raw::ThreadModeRawMutex;
+use embassy_sync::zerocopy_channel::{Receiver, Sender};
+use haarline::framing::Place;
+use haarline::{Counters, Disparity};
+
+/// Most columns of a view.
+pub const MAX_WIDTH: usize = 320;
+/// Most bytes of a raw row, both views of it.
+pub const MAX_RAW: usize = 2 * MAX_WIDTH;
+/// Raw rows between capture and vision.
+pub const RAW_ROWS: usize = 8;
+/// Disparity rows between vision and results: more than come at once at the end of a frame.
+pub const RESULT_ROWS: usize = 16;
+
+/// The sending end of a ring.
+pub type To<T> = Sender<'static, ThreadModeRawMutex, T>;
+/// The receiving end of a ring.
+pub type From<T> = Receiver<'static, ThreadModeRawMutex, T>;
+
+/// What capture tells vision.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RawKind {
+    /// The raw bytes of a row.
+    Row,
+    /// A row that is missing.
+    Missing,
+    /// The frame has ended.
+    Close,
+    /// There will be no more.
+    Over,
+}
+
+/// A raw row, or what stands in its place.
+pub struct RawRow {
+    /// Which it is.
+    pub kind: RawKind,
+    /// Where it belongs.
+    pub place: Place,
+    /// Bytes of it that count.
+    pub len: usize,
+    /// The camera's bytes.
+    pub bytes: [u8; MAX_RAW],
+}
+
+impl RawRow {
+    /// Nothing yet: all bits zero, so that a ring of it takes no flash.
+    pub const EMPTY: Self = Self { kind: RawKind::Row, place: Place { frame: 0, row: 0 }, len: 0, bytes: [0; MAX_RAW] };
+}
+
+/// What vision tells results.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ResultKind {
+    /// A disparity row.
+    Row,
+    /// The frame has ended after that many rows, the place's.
+    End,
+    /// There will be no more.
+    Over,
+}
+
+/// A disparity row on its way out, or what stands in its place.
+pub struct ResultRow {
+    /// Which it is.
+    pub kind: ResultKind,
+    /// Where it belongs.
+    pub place: Place,
+    /// Columns that count.
+    pub width: usize,
+    /// Disparity of each pixel.
+    pub disparity: [Disparity; MAX_WIDTH],
+    /// Confidence of each pixel.
+    pub confidence: [u8; MAX_WIDTH],
+    /// What had happened when it was made.
+    pub counters: Counters,
+}
+
+impl ResultRow {
+    /// Nothing yet: all bits zero, so that a ring of it takes no flash.
+    pub const EMPTY: Self = Self {
+        kind: ResultKind::Row,
+        place: Place { frame: 0, row: 0 },
+        width: 0,
+        disparity: [Disparity::from_bits(0); MAX_WIDTH],
+        confidence: [0; MAX_WIDTH],
+        counters: Counters::ZERO,
+    };
+}
+
+/// The counters that all tasks see.
+pub struct SharedCounters(Mutex<ThreadModeRawMutex, Cell<Counters>>);
+
+impl SharedCounters {
+    /// All at zero.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self(Mutex::new(Cell::new(Counters::ZERO)))
+    }
+
+    /// What they say now.
+    #[must_use]
+    pub fn get(&self) -> Counters {
+        self.0.lock(Cell::get)
+    }
+
+    /// What happened to the camera's frames; delivered rows are counted here.
+    pub fn update(&self, camera: &Counters) {
+        self.0.lock(|cell| cell.set(Counters { rows: cell.get().rows, ..*camera }));
+    }
+
+    /// The method delivered a row.
+    pub fn count_row(&self) {
+        self.0.lock(|cell| {
+            let counters = cell.get();
+            cell.set(Counters { rows: counters.rows.saturating_add(1), ..counters });
+        });
+    }
+}
+
+impl Default for SharedCounters {
+    fn default() -> Self {
+        Self::new()
+    }
+}

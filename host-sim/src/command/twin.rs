@@ -1,0 +1,325 @@
+//! `haarline twin`: the firmware application on an emulated Cortex-M, every instruction counted.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use anyhow::{Context, Result, bail, ensure};
+use clap::builder::PossibleValuesParser;
+use haarline::wiring::{First, Kind, Skew};
+use haarline::{ScanlinePair, Stage, Wiring};
+use serde::Serialize;
+
+use super::shared::SearchRange;
+use super::{Finding, print};
+use crate::method::MethodKind;
+use crate::output;
+use crate::recording::{Layout, Side, find_frames};
+use crate::twin::elf::{self, Memory};
+use crate::twin::estimate::{CHIPS, Estimate};
+use crate::twin::machine::Machine;
+use crate::twin::rows::decode;
+use crate::twin::{Report, Request};
+use crate::{DisparityMap, StereoPair, output::pfm, pipeline};
+
+/// Bytes of results that are kept whole; of a longer run only the recording's first and last round are.
+const MOST_KEPT: u64 = 256 << 20;
+
+/// Arguments of `haarline twin`.
+#[derive(Debug, clap::Args)]
+pub(super) struct Args {
+    /// Left view
+    #[arg(required_unless_present = "recording", requires = "right", conflicts_with = "recording")]
+    left: Option<PathBuf>,
+    /// Right view
+    right: Option<PathBuf>,
+    /// Instead of a pair: folder with the folders left and right, or with images of both views (--side-by-side)
+    #[arg(long, value_name = "DIR")]
+    recording: Option<PathBuf>,
+    /// The recording's images hold both views, that of this camera in the left half
+    #[arg(long, value_enum, value_name = "CAMERA", requires = "recording")]
+    side_by_side: Option<Side>,
+    /// Frames to play; the recording begins again where it ends [default: each once]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    frames: Option<u32>,
+    #[command(flatten)]
+    search: SearchRange,
+    /// How to match
+    #[arg(long, value_enum, default_value_t = MethodKind::BEST)]
+    method: MethodKind,
+    /// The emulated machine: Cortex-M4F or M7
+    #[arg(long, value_enum, default_value_t = Machine::An386)]
+    machine: Machine,
+    /// In which order the two cameras' pixels come
+    #[arg(long, value_parser = PossibleValuesParser::new(Kind::ALL.iter().map(|kind| kind.name())), default_value = "side-by-side")]
+    wiring: String,
+    /// The camera that comes first
+    #[arg(long, value_parser = PossibleValuesParser::new(First::ALL.iter().map(|first| first.name())), default_value = "left")]
+    first: String,
+    /// Lets something go wrong at the camera in a frame, counted from 0: lost-line, short, long, overrun,
+    /// garbage, stall or burst
+    #[arg(long, value_name = "KIND@FRAME", value_parser = fault)]
+    fault: Option<String>,
+    /// Disparity map in px (PFM); of several frames FILE_0000.pfm and so on
+    #[arg(short, long = "output", value_name = "FILE.pfm")]
+    output: Option<PathBuf>,
+    /// The program, if it shall not be built [default: built by cargo in the workspace around this folder]
+    #[arg(long, value_name = "FILE")]
+    elf: Option<PathBuf>,
+    /// Seconds until the run is given up
+    #[arg(long, value_name = "SECONDS", default_value_t = 600)]
+    timeout: u64,
+    /// Prints everything as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+fn fault(text: &str) -> Result<String, &'static str> {
+    const KINDS: [&str; 7] = ["lost-line", "short", "long", "overrun", "garbage", "stall", "burst"];
+    let parts = text.split_once('@').filter(|(kind, frame)| KINDS.contains(kind) && frame.parse::<u32>().is_ok());
+    let wanted = "must be KIND@FRAME with lost-line, short, long, overrun, garbage, stall or burst, as overrun@1";
+    parts.map(|_| text.to_owned()).ok_or(wanted)
+}
+
+/// What the run tells.
+#[derive(Debug, Serialize)]
+struct Summary {
+    method: &'static str,
+    machine: &'static str,
+    core: &'static str,
+    width: usize,
+    height: usize,
+    min_disparity: i16,
+    num_disparities: u16,
+    wiring: String,
+    first: String,
+    frames: u32,
+    fault: Option<String>,
+    /// `total` and one entry a stage.
+    instructions_per_pixel: BTreeMap<&'static str, f64>,
+    /// Instructions of a row.
+    mean_row: f64,
+    worst_row: u64,
+    /// Instructions after a frame's last row, mean.
+    frame_end: f64,
+    /// Instructions of a change of stage, subtracted everywhere.
+    clock_instructions: u64,
+    estimates: Vec<Estimate>,
+    memory: Memory,
+    stack_high_water: u64,
+    startup_stack_high_water: u64,
+    counters: BTreeMap<String, u64>,
+    /// Frames compared with the host's, and those that differ, by number.
+    compared: usize,
+    different_frames: Vec<u32>,
+}
+
+impl Args {
+    pub(super) fn run(self) -> Result<()> {
+        let pairs = self.read()?;
+        let (width, height) = (pairs[0].width(), pairs[0].height());
+        let other = pairs.iter().position(|pair| (pair.width(), pair.height()) != (width, height));
+        ensure!(other.is_none(), "frame {} has another size than the first", other.unwrap_or_default());
+        let config = self.search.config(width as u16)?;
+        let recorded = u32::try_from(pairs.len()).context("the recording")?;
+        let frames = self.frames.unwrap_or(recorded);
+        let fits = u64::from(frames) * (width * height * 3) as u64 <= MOST_KEPT;
+        let method = self.method.name();
+        let wiring = [
+            static_name(Kind::ALL.iter().map(|k| k.name()), &self.wiring)?,
+            static_name(First::ALL.iter().map(|f| f.name()), &self.first)?,
+        ];
+        let keep = if fits { frames } else { recorded };
+        let fault = self.fault.clone();
+        let request = Request { config, height, recorded, frames, keep, method, wiring, fault };
+        request.check()?;
+        if let Some(path) = &self.output {
+            output::check_writable("-o", path)?;
+        }
+
+        let elf = self.elf.clone().map_or_else(elf::build, Ok)?;
+        let program = fs::read(&elf).with_context(|| format!("{}: cannot be read", elf.display()))?;
+        let memory = elf::memory(&program, method).with_context(|| elf.display().to_string())?;
+        let folder = tempfile::tempdir().context("a folder for the run")?;
+        let file = |name: &str| folder.path().join(name);
+        fs::write(file("twin.elf"), &program).context("a folder for the run")?;
+        fs::write(file("raw.bin"), self.raw(&pairs)?).context("a folder for the run")?;
+        self.machine.run(folder.path(), "twin.elf", &request.arguments(), Duration::from_secs(self.timeout))?;
+
+        let report = Report::read(&file("report.txt"))?;
+        let maps = decode(fs::read(file("rows.bin")).context("the program left no results")?, [width, height])?;
+        self.write(&maps)?;
+        let different = self.compare(&pairs, &maps, &request)?;
+        let summary = self.summary(&request, &report, memory, maps.len(), different)?;
+        print(&if self.json { serde_json::to_string(&summary)? + "\n" } else { summary.text() })?;
+        let damaged = request.damaged();
+        let wrong: Vec<u32> = summary.different_frames.iter().copied().filter(|&f| Some(f) != damaged).collect();
+        ensure!(wrong.is_empty(), Finding(format!("the map of frame {} is not the host's, byte for byte", wrong[0])));
+        Ok(())
+    }
+
+    /// All frames, in order.
+    fn read(&self) -> Result<Vec<StereoPair>> {
+        if let (Some(left), Some(right)) = (&self.left, &self.right) {
+            return Ok(vec![StereoPair::read(left, right)?]);
+        }
+        let Some(folder) = &self.recording else { bail!("two views are needed, or --recording") };
+        let layout = self.side_by_side.map_or(Layout::Folders, |first| Layout::SideBySide { first });
+        find_frames(folder, layout)?.iter().map(|frame| frame.read()).collect()
+    }
+
+    /// What the cameras' port would store.
+    fn raw(&self, pairs: &[StereoPair]) -> Result<Vec<u8>> {
+        let kind = Kind::from_name(&self.wiring).context("--wiring")?;
+        let first = First::from_name(&self.first).context("--first")?;
+        let wiring = Wiring { kind, first, skew: Skew::None };
+        let mut bytes = Vec::new();
+        for pair in pairs {
+            for y in 0..pair.height() {
+                let at = bytes.len();
+                bytes.resize(at + wiring.row_bytes(pair.width() as u16), 0);
+                wiring.pack(ScanlinePair { left: pair.left.row(y), right: pair.right.row(y) }, &mut bytes[at..])?;
+            }
+        }
+        Ok(bytes)
+    }
+
+    fn write(&self, maps: &BTreeMap<u32, DisparityMap>) -> Result<()> {
+        let Some(path) = &self.output else { return Ok(()) };
+        for (frame, map) in maps {
+            let path = if maps.len() == 1 { path.clone() } else { numbered(path, *frame) };
+            output::write(&path, &pfm::encode(map))?;
+        }
+        Ok(())
+    }
+
+    /// The frames whose maps are not the host's.
+    fn compare(&self, pairs: &[StereoPair], maps: &BTreeMap<u32, DisparityMap>, request: &Request) -> Result<Vec<u32>> {
+        let mut method = self.method.build(request.config)?;
+        let expected: Vec<DisparityMap> =
+            pairs.iter().map(|pair| Ok(pipeline::run(&mut *method, pair)?.map)).collect::<Result<_>>()?;
+        let Request { frames, keep, recorded, .. } = *request;
+        let kept = (0..frames).filter(|&frame| frame < keep || frame >= frames.saturating_sub(keep));
+        Ok(kept.filter(|frame| maps.get(frame) != Some(&expected[(frame % recorded) as usize])).collect())
+    }
+
+    fn summary(
+        &self,
+        request: &Request,
+        report: &Report,
+        memory: Memory,
+        compared: usize,
+        different_frames: Vec<u32>,
+    ) -> Result<Summary> {
+        let width = usize::from(request.config.width);
+        let rows = report.get("worked_rows")? as f64;
+        let pixels = (rows * width as f64).max(1.0);
+        let total = report.get("total")? as f64 / pixels;
+        let mut instructions_per_pixel = BTreeMap::from([("total", total)]);
+        for (stage, count) in report.stages()? {
+            instructions_per_pixel.insert(stage.name(), count as f64 / pixels);
+        }
+        let frame_pixels = (width * request.height) as f64;
+        Ok(Summary {
+            method: request.method,
+            machine: self.machine.name(),
+            core: self.machine.core(),
+            width,
+            height: request.height,
+            min_disparity: request.config.min_disparity,
+            num_disparities: request.config.num_disparities,
+            wiring: self.wiring.clone(),
+            first: self.first.clone(),
+            frames: request.frames,
+            fault: self.fault.clone(),
+            instructions_per_pixel,
+            mean_row: report.get("row_sum")? as f64 / rows.max(1.0),
+            worst_row: report.get("worst_row")?,
+            frame_end: report.get("frame_ends")? as f64 / f64::from(request.frames),
+            clock_instructions: report.get("clock")?,
+            estimates: CHIPS.iter().map(|chip| chip.estimate(total, frame_pixels)).collect(),
+            memory,
+            stack_high_water: report.get("stack")?,
+            startup_stack_high_water: report.get("startup_stack")?,
+            counters: report.counters().map(|(name, count)| (name.to_owned(), count)).collect(),
+            compared,
+            different_frames,
+        })
+    }
+}
+
+fn static_name(mut names: impl Iterator<Item = &'static str>, wanted: &str) -> Result<&'static str> {
+    names.find(|name| *name == wanted).with_context(|| format!("{wanted:?} is not known"))
+}
+
+/// The name for one of several maps.
+fn numbered(path: &Path, frame: u32) -> PathBuf {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    path.with_file_name(format!("{stem}_{frame:04}.pfm"))
+}
+
+impl Summary {
+    fn text(&self) -> String {
+        let Self { method, machine, core, width, height, num_disparities, min_disparity, frames, .. } = self;
+        let last = i32::from(*min_disparity) + i32::from(*num_disparities) - 1;
+        let mut text = format!(
+            "{method}, {frames} x {width}x{height} px, searched {min_disparity} to {last} px, on {machine} ({core})\n"
+        );
+        let _ = writeln!(
+            text,
+            "executed instructions per pixel, counted (the clock's own {} a change of stage subtracted):",
+            self.clock_instructions
+        );
+        for name in Stage::ALL.map(Stage::name).into_iter().chain(["total"]) {
+            let count = self.instructions_per_pixel.get(name).copied().unwrap_or_default();
+            let _ = writeln!(text, "  {name:12}{count:9.2}");
+        }
+        let _ = writeln!(
+            text,
+            "row: mean {:.0}, worst {} instructions; frame end {:.0}",
+            self.mean_row, self.worst_row, self.frame_end
+        );
+        let _ = writeln!(text, "estimated by a model of instruction classes (no cycle was measured):");
+        for Estimate { chip, cycles_per_pixel, fps, core_mw, nj_per_pixel, current_source } in &self.estimates {
+            let _ = writeln!(
+                text,
+                "  {chip}: {cycles_per_pixel:.0} cycles/px, {fps:.1} fps, core {core_mw:.0} mW, {nj_per_pixel:.2} nJ/px ({current_source})"
+            );
+        }
+        let Memory { static_ram, method_ram, ring_ram, flash, core_flash } = self.memory;
+        let _ = writeln!(
+            text,
+            "memory: {method} {method_ram} B, rings {ring_ram} B, all static {static_ram} B (with the other methods); \
+             stack at most {} B, at start-up {} B; flash {flash} B, of which the core {core_flash} B",
+            self.stack_high_water, self.startup_stack_high_water
+        );
+        let counters: Vec<String> = self.counters.iter().map(|(name, count)| format!("{name} {count}")).collect();
+        let _ = writeln!(text, "counters: {}", counters.join(", "));
+        let verdict = match self.different_frames.as_slice() {
+            [] => "all the same bytes as on the host".to_owned(),
+            frames => format!("different from the host's: {frames:?}"),
+        };
+        let _ = writeln!(text, "{} maps compared: {verdict}", self.compared);
+        text
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_fault_is_a_kind_and_a_frame() {
+        assert_eq!(fault("overrun@12").as_deref(), Ok("overrun@12"));
+        for text in ["overrun", "overrun@", "overrun@-1", "flood@1", "@1"] {
+            assert!(fault(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn several_maps_have_numbers() {
+        assert_eq!(numbered(Path::new("a/b.pfm"), 7), Path::new("a/b_0007.pfm"));
+    }
+}

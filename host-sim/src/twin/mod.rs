@@ -1,0 +1,124 @@
+//! The application on an emulated Cortex-M: its program, a run of it, and what the run tells.
+
+pub mod elf;
+pub mod estimate;
+pub mod machine;
+pub mod rows;
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use anyhow::{Context, Result, ensure};
+use haarline::{Config, Stage};
+
+/// What the program reported: counts by name.
+#[derive(Debug, Clone, Default)]
+pub struct Report(BTreeMap<String, u64>);
+
+impl Report {
+    /// Reads lines of a name and a number.
+    ///
+    /// # Errors
+    /// If the file cannot be read or is none.
+    pub fn read(path: &Path) -> Result<Self> {
+        let text = std::fs::read_to_string(path).context("the program left no report")?;
+        let line = |line: &str| {
+            let (name, value) = line.split_once(' ')?;
+            Some((name.to_owned(), value.parse().ok()?))
+        };
+        let entries = text.lines().map(line).collect::<Option<_>>();
+        entries.map(Self).with_context(|| format!("the program's report is not understood: {text:?}"))
+    }
+
+    /// A count.
+    ///
+    /// # Errors
+    /// If the program did not report it: then it is an older or a newer one.
+    pub fn get(&self, name: &str) -> Result<u64> {
+        self.0.get(name).copied().with_context(|| format!("the program did not report {name}: build it again"))
+    }
+
+    /// Executed instructions of each stage, without what the counting cost.
+    ///
+    /// # Errors
+    /// If one is missing.
+    pub fn stages(&self) -> Result<[(Stage, u64); Stage::COUNT]> {
+        let mut stages = Stage::ALL.map(|stage| (stage, 0));
+        for (stage, count) in &mut stages {
+            *count = self.get(stage.name())?;
+        }
+        Ok(stages)
+    }
+
+    /// What happened to the camera's frames, by name.
+    pub fn counters(&self) -> impl Iterator<Item = (&str, u64)> {
+        self.0.iter().filter_map(|(name, value)| Some((name.strip_prefix("counter_")?, *value)))
+    }
+}
+
+/// What the program is asked to do.
+#[derive(Debug, Clone)]
+pub struct Request {
+    /// The search.
+    pub config: Config,
+    /// Rows of a frame.
+    pub height: usize,
+    /// Frames of the recording, and to play: it begins again where it ends.
+    pub recorded: u32,
+    /// Frames to play.
+    pub frames: u32,
+    /// Frames at the beginning and at the end whose disparities are kept.
+    pub keep: u32,
+    /// Name of the method.
+    pub method: &'static str,
+    /// How the cameras are wired to the port, and which one comes first.
+    pub wiring: [&'static str; 2],
+    /// `KIND@FRAME`.
+    pub fault: Option<String>,
+}
+
+impl Request {
+    /// The program's arguments.
+    #[must_use]
+    pub fn arguments(&self) -> Vec<String> {
+        let Config { width, min_disparity, num_disparities } = self.config;
+        let Self { height, recorded, frames, keep, method, wiring: [wiring, first], .. } = self;
+        let mut arguments = vec![
+            format!("width={width}"),
+            format!("height={height}"),
+            format!("min={min_disparity}"),
+            format!("num={num_disparities}"),
+            format!("recorded={recorded}"),
+            format!("frames={frames}"),
+            format!("keep={keep}"),
+            format!("method={method}"),
+            format!("wiring={wiring}"),
+            format!("first={first}"),
+        ];
+        arguments.extend(self.fault.iter().map(|fault| format!("fault={fault}")));
+        arguments
+    }
+
+    /// The frame that the fault is in.
+    #[must_use]
+    pub fn damaged(&self) -> Option<u32> {
+        self.fault.as_deref()?.split_once('@')?.1.parse().ok()
+    }
+
+    /// Checks what only the program's memory limits.
+    ///
+    /// # Errors
+    /// If the views are too wide, or the fault is in no frame.
+    pub fn check(&self) -> Result<()> {
+        let width = self.config.width;
+        ensure!(width <= 320, "the views are {width} px wide, the emulated application takes up to 320: scale them");
+        let frame = self.damaged();
+        ensure!(
+            frame.is_none_or(|frame| frame < self.frames),
+            "--fault {}: frames are counted from 0, and {} frame(s) are played: ask for more by --frames",
+            self.fault.as_deref().unwrap_or_default(),
+            self.frames
+        );
+        Ok(())
+    }
+}
