@@ -6,6 +6,7 @@ mod depth;
 mod eval;
 mod play;
 mod shared;
+mod study;
 
 use std::ffi::OsString;
 use std::io::{self, ErrorKind, Write};
@@ -39,6 +40,8 @@ enum Command {
     Play(play::Args),
     /// Scores the method full without one of its parts each: what every part brings
     Ablate(ablate::Args),
+    /// Repeats the paper's experiments: tables, plots and a page
+    Study(study::Args),
 }
 
 /// How a command ends when it does not succeed.
@@ -99,6 +102,7 @@ impl Cli {
             Command::Demo(args) => args.run()?,
             Command::Play(args) => args.run()?,
             Command::Ablate(args) => args.run()?,
+            Command::Study(args) => args.run()?,
         }
         Ok(())
     }
@@ -107,7 +111,7 @@ impl Cli {
 /// clap's message in one line, without the usage.
 fn condense(error: &error::Error) -> String {
     if error.kind() == error::ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
-        return "a command is missing: depth, eval, demo, play or ablate; haarline --help tells more".to_owned();
+        return "a command is missing: depth, eval, demo, play, ablate or study; haarline --help tells more".to_owned();
     }
     let text = error.to_string();
     let lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
@@ -176,6 +180,11 @@ mod tests {
             ("haarline play r -o d --frames -1..3", "counted from 0"),
             ("haarline play r -o d --layout side", "side-by-side"),
             ("haarline ablate d --noise 0,x", "--noise"),
+            ("haarline study", "<NAME>"),
+            ("haarline study detial -o d", "detail"),
+            ("haarline study all", "--output"),
+            ("haarline study all -o d --seed -1", "--seed"),
+            ("haarline study all -o d --only room", "--scenes"),
         ];
         for (line, wanted) in cases {
             let told = refused(line);

@@ -13,4 +13,5 @@ mod depth;
 mod eval;
 mod files;
 mod scene;
+mod study;
 mod tool;
