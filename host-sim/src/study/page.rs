@@ -16,7 +16,8 @@ pub struct Origin<'a> {
 }
 
 const STYLE: &str = "
-:root { color-scheme: light dark; --ink: #1c1c1e; --soft: #5b5b62; --paper: #fcfcfa; --line: #d9d9d4; --stripe: #f2f2ee; --link: #00568a; }
+:root { color-scheme: light dark; --ink: #1c1c1e; --soft: #5b5b62; --paper: #fcfcfa; --line: #d9d9d4;
+  --stripe: #f2f2ee; --link: #00568a; }
 @media (prefers-color-scheme: dark) {
   :root { --ink: #e8e8e6; --soft: #a5a5aa; --paper: #17171a; --line: #3a3a40; --stripe: #202024; --link: #7cc4f2; }
 }
@@ -108,7 +109,9 @@ fn figures(table: &Table) -> Markup {
             figcaption { (table.caption) }
             div.wide tabindex="0" {
                 table {
-                    thead { tr { @for (column, head) in table.columns.iter().enumerate() { th class=[class(column)] { (head) } } } }
+                    thead {
+                        tr { @for (column, head) in table.columns.iter().enumerate() { th class=[class(column)] { (head) } } }
+                    }
                     tbody {
                         @for row in &table.rows {
                             tr { @for (column, cell) in row.iter().enumerate() { td class=[class(column)] { (cell) } } }

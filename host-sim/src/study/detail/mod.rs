@@ -4,27 +4,16 @@
 //! The support is given as half-support `s`: values on each side of an edge. Responses are divided by it, so
 //! that they are differences of mean brightness, grey levels, whatever the support.
 
-use anyhow::{Context, Result};
-use haarline::haar::{forward, inverse, sliding_response};
+mod form;
 
+use anyhow::{Context, Result};
+
+use self::form::{BARS, Fall, Form, HALF_SUPPORTS, HEIGHT, Left, OBJECT, magnitudes, mean_differences};
 use super::plot::{Axis, BLACK, Chart, Layer, Mark, figure};
 use super::{Outcome, Part, Plot, Setup, Table};
 use crate::Frame;
 use crate::scene::Scene;
 
-/// The half-supports, px: those of the decimated transform's levels 1 to 5.
-const HALF_SUPPORTS: [usize; 5] = [1, 2, 4, 8, 16];
-/// Widths of the synthetic fine structure, px.
-const BARS: [usize; 4] = [1, 2, 4, 8];
-/// Width of the synthetic coarse structure, px.
-const OBJECT: usize = 40;
-/// Grey levels of the synthetic background, and of the structures above it.
-const GROUND: u8 = 60;
-const HEIGHT: u8 = 100;
-/// Columns of a synthetic row, and where a bar or the object begins in its own.
-const ROW: usize = 256;
-const BAR_AT: usize = 64;
-const OBJECT_AT: usize = 144;
 /// A real row takes part if its fine and its coarse structure are this strong, grey levels.
 const LEAST_CONTRAST: f64 = 20.0;
 /// The widest fine structure of a real row, px.
@@ -54,136 +43,17 @@ pub fn run(setup: &Setup<'_>) -> Result<Outcome> {
 
 fn question(setup: &Setup<'_>) -> String {
     format!(
-        "The paper transforms a row by the Haar wavelet and says of the support s: at s = 1 fine and coarse detail peak \
-         alike, with a larger s the peaks of fine detail shrink and those of large objects grow. Here s is the \
+        "The paper transforms a row by the Haar wavelet and says of the support s: at s = 1 fine and coarse detail \
+         peak alike, with a larger s the peaks of fine detail shrink and those of large objects grow. Here s is the \
          half-support, the pixels on each side of an edge, and the response is divided by s, which makes it a \
-         difference of mean brightness in grey levels. Measured on synthetic rows with a bar of {} px or an object of \
-         {OBJECT} px, both {HEIGHT} grey levels above the ground, and on the rows of {}. Two forms of the transform: \
-         undecimated (a response at every column) and decimated with a1 = 0 as in eq. 1 (level n has s = 2^(n-1), the \
-         detail of that level alone is transformed back, and the row's place against the pairs of pixels matters, so \
-         that all places are tried).",
+         difference of mean brightness in grey levels. Measured on synthetic rows with a bar of {} px or an object \
+         of {OBJECT} px, both {HEIGHT} grey levels above the ground, and on the rows of {}. Two forms of the \
+         transform: undecimated (a response at every column) and decimated with a1 = 0 as in eq. 1 (level n has s = \
+         2^(n-1), the detail of that level alone is transformed back, and the row's place against the pairs of \
+         pixels matters, so that all places are tried).",
         BARS.map(|bar| bar.to_string()).join(", "),
         setup.scenes_name
     )
-}
-
-/// The two forms of the transform.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Form {
-    Undecimated,
-    Decimated,
-}
-
-/// The peaks of a structure over its places in the row, grey levels.
-#[derive(Debug, Clone, Copy)]
-struct Peak {
-    least: f64,
-    mean: f64,
-    most: f64,
-}
-
-impl Peak {
-    fn of(peaks: &[f64]) -> Self {
-        Self {
-            least: peaks.iter().copied().fold(f64::INFINITY, f64::min),
-            mean: peaks.iter().sum::<f64>() / peaks.len() as f64,
-            most: peaks.iter().copied().fold(0.0, f64::max),
-        }
-    }
-}
-
-/// What a support leaves of a bar and of the object.
-#[derive(Debug, Clone, Copy)]
-struct Left {
-    fine: Peak,
-    coarse: Peak,
-}
-
-impl Left {
-    /// The mean peak of the bar over that of the object.
-    fn ratio(&self) -> f64 {
-        self.fine.mean / self.coarse.mean
-    }
-}
-
-/// For each half-support.
-type Fall = [Left; HALF_SUPPORTS.len()];
-
-impl Form {
-    const ALL: [Self; 2] = [Self::Undecimated, Self::Decimated];
-
-    fn name(self) -> &'static str {
-        match self {
-            Self::Undecimated => "undecimated",
-            Self::Decimated => "decimated, a1 = 0",
-        }
-    }
-
-    /// The magnitudes of what the transform leaves of `row`, grey levels.
-    fn transform(self, row: &[u8], level: usize) -> Vec<f64> {
-        match self {
-            Self::Undecimated => magnitudes(row, HALF_SUPPORTS[level]),
-            Self::Decimated => contours_of_level(row, level).iter().map(|&v| f64::from(v).abs()).collect(),
-        }
-    }
-
-    /// How the peak of a bar falls against that of the object.
-    fn fall(self, bar: usize) -> Fall {
-        std::array::from_fn(|level| {
-            let s = HALF_SUPPORTS[level];
-            let places = if self == Self::Decimated { 2 * s } else { 1 };
-            let peaks = |first: usize, width: usize| {
-                let peak = |place| {
-                    let contours = self.transform(&raised(first + place, width), level);
-                    // Far from the row's ends, which some places cut a pair short at.
-                    contours[2 * s..ROW - 2 * s].iter().copied().fold(0.0, f64::max)
-                };
-                Peak::of(&(0..places).map(peak).collect::<Vec<_>>())
-            };
-            Left { fine: peaks(BAR_AT, bar), coarse: peaks(OBJECT_AT, OBJECT) }
-        })
-    }
-}
-
-/// A row with one structure.
-fn raised(first: usize, width: usize) -> Vec<u8> {
-    let is_raised = |x: &usize| (first..first + width).contains(x);
-    (0..ROW).map(|x| if is_raised(&x) { GROUND + HEIGHT } else { GROUND }).collect()
-}
-
-/// The sliding response of `row` divided by `s`.
-fn mean_differences(row: &[u8], s: usize) -> Vec<f64> {
-    let mut response = vec![0; row.len()];
-    sliding_response(row, s, &mut response);
-    response.iter().map(|&value| f64::from(value) / s as f64).collect()
-}
-
-fn magnitudes(row: &[u8], s: usize) -> Vec<f64> {
-    mean_differences(row, s).into_iter().map(f64::abs).collect()
-}
-
-/// What the detail of one level alone leaves of a row: eq. 1 with the approximation set to zero, level 0 the
-/// finest.
-fn contours_of_level(row: &[u8], level: usize) -> Vec<i16> {
-    let mut line: Vec<i16> = row.iter().map(|&value| value.into()).collect();
-    let mut lengths = Vec::new();
-    let mut detail = Vec::new();
-    for _ in 0..=level {
-        let mut approximation = vec![0; line.len().div_ceil(2)];
-        detail = vec![0; line.len() / 2];
-        forward(&line, &mut approximation, &mut detail);
-        lengths.push(line.len());
-        line = approximation;
-    }
-    let mut back = vec![0; line.len()];
-    for length in lengths.into_iter().rev() {
-        let mut finer = vec![0; length];
-        inverse(&back, &detail, &mut finer);
-        // The finer details are left out, too: all zero, and at most as many.
-        detail = vec![0; length];
-        back = finer;
-    }
-    back
 }
 
 /// A row of a scene with its finest clear structure and its coarsest clear edge.
@@ -300,17 +170,21 @@ fn synthetic_table(falls: &[[Fall; BARS.len()]; 2]) -> Table {
     columns.extend([BARS[1], OBJECT].map(|width| format!("peak of {width} px, grey levels")));
     let caption = format!(
         "Peak of a bar over the peak of an object of {OBJECT} px and the same height, each the mean over all places \
-         against the transform's pairs; at the end the least and the greatest peak over these places."
+         against the transform's pairs (the object's two edges fall between pairs together, those of a bar of odd \
+         width never); at the end the least and the greatest peak over these places."
     );
     Table { name: "synthetic".to_owned(), caption, columns, rows }
 }
 
 fn fall_plot(falls: &[[Fall; BARS.len()]; 2], rows: &[RealRow<'_>]) -> Result<Plot> {
     let supports = || HALF_SUPPORTS.map(|s| s as f64);
+    let ratios = falls.iter().flatten().flatten().map(Left::ratio);
+    let quartiles = if rows.is_empty() { Default::default() } else { quartiles_by_support(rows) };
+    let most = ratios.chain(quartiles.iter().map(|q| q[2])).fold(1.0, f64::max);
     let axes = |title: &str, layers| Chart {
         title: title.to_owned(),
         x: Axis::log("half-support s, px", [0.9, 18.0]).with_ticks(supports()),
-        y: Axis::linear("peak of fine / peak of coarse", [0.0, 1.1]),
+        y: Axis::linear("peak of fine / peak of coarse", [0.0, 1.1 * most]),
         layers,
     };
     let bars = |falls: &[Fall; BARS.len()]| -> Vec<Layer> {
@@ -323,16 +197,13 @@ fn fall_plot(falls: &[[Fall; BARS.len()]; 2], rows: &[RealRow<'_>]) -> Result<Pl
     let mut charts: Vec<Chart> =
         Form::ALL.iter().zip(falls).map(|(form, falls)| axes(form.name(), bars(falls))).collect();
     if !rows.is_empty() {
-        let quartiles = quartiles_by_support(rows);
         let at = |index: usize| supports().into_iter().zip(&quartiles).map(move |(s, q)| [s, q[index]]);
         let upper = quartiles.iter().map(|q| q[2]).collect();
-        let most = quartiles.iter().map(|q| q[2]).fold(1.0, f64::max);
         let layers = vec![
             Layer::new("middle half of the rows", BLACK, Mark::Band { upper }, at(0)),
             Layer::new("median of the rows", BLACK, Mark::DotsOnLine, at(1)),
         ];
-        let chart = axes(&format!("{} real or rendered rows", rows.len()), layers);
-        charts.push(Chart { y: Axis::linear("peak of fine / peak of coarse", [0.0, 1.1 * most]), ..chart });
+        charts.push(axes(&format!("{} rows of the frames", rows.len()), layers));
     }
     let caption = "How the peak of fine structure falls against that of coarse structure with the support.".to_owned();
     Ok(Plot { name: "fall".to_owned(), caption, svg: figure(&charts, charts.len(), [340, 280])? })
@@ -363,8 +234,8 @@ fn real_table(rows: &[RealRow<'_>]) -> Table {
         format!(" The clearest: row {y} of {}, fine at column {fine}, coarse at column {coarse}.", scene.name)
     });
     let caption = format!(
-        "Peak of the clearest bar of at most {FINE_WIDTH} px over that of the strongest edge at s = 16, of the {} rows in \
-         which both reach {LEAST_CONTRAST} grey levels (undecimated).{which}",
+        "Peak of the clearest bar of at most {FINE_WIDTH} px over that of the strongest edge at s = 16, of the {} \
+         rows in which both reach {LEAST_CONTRAST} grey levels (undecimated).{which}",
         rows.len()
     );
     Table { name: "real".to_owned(), caption, columns: columns.map(str::to_owned).to_vec(), rows: cells }
@@ -374,11 +245,11 @@ fn real_table(rows: &[RealRow<'_>]) -> Table {
 fn verdict(falls: &[[Fall; BARS.len()]; 2], rows: &[RealRow<'_>]) -> String {
     let [undecimated, decimated] = falls.each_ref().map(|falls| falls[1]);
     let mut text = format!(
-        "The bar of {} px against the object. Undecimated: \"at s = 1 both peak alike\" {}, \"with larger s fine detail \
-         shrinks\" {}. Decimated, mean over all places: the first {}, the second {}; but there the place decides (at s = 1 \
-         the bar peaks at {:.0} to {:.0} grey levels: an edge between two pairs leaves no detail). \"Large objects grow\": \
-         undecimated, the object's peak goes from {:.0} at s = 1 to {:.0} grey levels at s = 16 as a mean, and from {:.0} to \
-         {:.0} as a sum over the support.",
+        "The bar of {} px against the object. Undecimated: \"at s = 1 both peak alike\" {}, \"with larger s fine \
+         detail shrinks\" {}. Decimated, mean over all places: the first {}, the second {}; but there the place \
+         decides (at s = 1 the bar peaks at {:.0} to {:.0} grey levels: an edge between two pairs leaves no detail). \
+         \"Large objects grow\": undecimated, the object's peak goes from {:.0} at s = 1 to {:.0} grey levels at s = \
+         16 as a mean, and from {:.0} to {:.0} as a sum over the support.",
         BARS[1],
         alike(undecimated[0].ratio()),
         shrinks(undecimated.map(|left| left.ratio())),
@@ -408,7 +279,8 @@ fn alike(ratio: f64) -> String {
 fn shrinks(ratios: [f64; HALF_SUPPORTS.len()]) -> String {
     let [first, .., last] = ratios;
     let never_rises = ratios.windows(2).all(|pair| pair[1] <= pair[0] + 1e-9);
-    format!("{} ({first:.2} at s = 1, {last:.2} at s = 16)", holds(never_rises && last < first))
+    let list = ratios.map(|ratio| format!("{ratio:.2}")).join(", ");
+    format!("{} (ratios {list} at s = 1, 2, 4, 8, 16)", holds(never_rises && last < first))
 }
 
 fn holds(is_so: bool) -> &'static str {
@@ -417,36 +289,8 @@ fn holds(is_so: bool) -> &'static str {
 
 #[cfg(test)]
 mod tests {
+    use super::form::{BAR_AT, raised};
     use super::*;
-
-    #[test]
-    fn a_bar_falls_as_its_width_over_the_support() {
-        for (bar, fall) in BARS.iter().zip(BARS.map(|bar| Form::Undecimated.fall(bar))) {
-            for (s, ratio) in HALF_SUPPORTS.iter().zip(fall) {
-                let theory = (*bar).min(*s) as f64 / *s as f64;
-                let found = ratio.ratio();
-                assert!((found - theory).abs() < 1e-9, "bar {bar}, s {s}: {found}, not {theory}");
-            }
-        }
-    }
-
-    #[test]
-    fn the_details_of_all_levels_and_the_last_mean_add_up_to_the_row() {
-        // Even differences at every level, so that no rounding hides a mistake.
-        let row: Vec<u8> = (0..64u8).map(|x| if (20..36).contains(&x) { 164 } else { 36 }).collect();
-        let sum: Vec<i16> = (0..64).map(|x| (0..5).map(|level| contours_of_level(&row, level)[x]).sum()).collect();
-        let rest: Vec<i16> = sum.iter().zip(&row).map(|(&sum, &value)| i16::from(value) - sum).collect();
-        assert!(rest.chunks(32).all(|block| block.iter().all(|&v| v == block[0])), "{rest:?}");
-    }
-
-    #[test]
-    fn odd_rows_come_back_in_their_length() {
-        let row: Vec<u8> = (0..=72).map(|x| x * 3).collect();
-        for level in 0..5 {
-            assert_eq!(contours_of_level(&row, level).len(), 73, "level {level}");
-        }
-        assert!(contours_of_level(&[9; 73], 2).iter().all(|&v| v == 0 || v == 9));
-    }
 
     #[test]
     fn the_finest_structure_is_found_where_it_is() {

@@ -1,20 +1,17 @@
 //! Fig. 1: templates of 3 pixels around the extrema of a row, their match in the other view, and how much the
 //! brightness of true correspondences differs.
 
+mod template;
+
 use anyhow::Result;
 
+use self::template::{DISPERSION, Extremum, FLAT, Shape, UNIQUENESS, extrema, matching};
 use super::plot::{Axis, BLACK, Chart, Layer, Mark, figure};
 use super::{Outcome, Part, Plot, Setup, Table};
 use crate::scene::Scene;
 
-/// The paper's brightness dispersion between corresponding pixels, grey levels.
-const DISPERSION: i32 = 30;
-/// Steps to a neighbour up to this count as flat, grey levels.
-const FLAT: i32 = 2;
 /// Widths of the templates, px; the paper's first.
 const WIDTHS: [usize; 4] = [3, 5, 9, 15];
-/// The best candidate's difference must be below this many percent of the next best one's.
-const UNIQUENESS: i32 = 85;
 /// A match is right if it is off by no more than this, 1/256 px.
 const RIGHT_Q8: u64 = 256;
 /// Columns on either side of the extremum in the picture.
@@ -43,96 +40,16 @@ pub fn run(setup: &Setup<'_>) -> Result<Outcome> {
 
 fn question(setup: &Setup<'_>) -> String {
     format!(
-        "The paper takes an extremum of an image row and its neighbours as a template of 3 pixels, looks for the similar \
-         fragment in the same row of the other view, within a dispersion of up to {DISPERSION} grey levels, and takes the \
-         distance of both extrema as the disparity. Measured on {}: the shapes of 3-pixel templates, how often the best \
-         template of the same shape lies at the true disparity (to 1 px, against truth, where both views see the point), \
-         and how much the brightness of truly corresponding points differs. A template matches if no pixel differs by more \
-         than {DISPERSION} grey levels after the means are taken out; the least sum of differences wins, if it is below \
-         {UNIQUENESS} % of the next best candidate's that is no neighbour. Steps of up to {FLAT} grey levels count as flat.",
+        "The paper takes an extremum of an image row and its neighbours as a template of 3 pixels, looks for the \
+         similar fragment in the same row of the other view, within a dispersion of up to {DISPERSION} grey levels, \
+         and takes the distance of both extrema as the disparity. Measured on {}: the shapes of 3-pixel templates, \
+         how often the best template of the same shape lies at the true disparity (to 1 px, against truth, where \
+         both views see the point), and how much the brightness of truly corresponding points differs. A template \
+         matches if no pixel differs by more than {DISPERSION} grey levels after the means are taken out; the least \
+         sum of differences wins, if it is below {UNIQUENESS} % of the next best candidate's that is no neighbour. \
+         Steps of up to {FLAT} grey levels count as flat.",
         setup.scenes_name
     )
-}
-
-/// The shape of a template of 3 pixels.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Shape {
-    Peak,
-    Trough,
-    Plateau,
-    Rise,
-    Fall,
-}
-
-impl Shape {
-    const ALL: [Self; 5] = [Self::Peak, Self::Trough, Self::Plateau, Self::Rise, Self::Fall];
-
-    fn of([before, here, after]: [u8; 3]) -> Self {
-        let step = |from: u8, to: u8| {
-            let step = i32::from(to) - i32::from(from);
-            if step.abs() <= FLAT { 0 } else { step.signum() }
-        };
-        match (step(before, here), step(here, after)) {
-            (1, -1) => Self::Peak,
-            (-1, 1) => Self::Trough,
-            (0, 0) => Self::Plateau,
-            (first, second) if first + second > 0 => Self::Rise,
-            _ => Self::Fall,
-        }
-    }
-}
-
-/// An extremum of a row.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Extremum {
-    column: usize,
-    /// A peak; otherwise a trough.
-    is_peak: bool,
-}
-
-/// The extrema of a row, left to right: peaks and troughs of its 3-pixel templates.
-fn extrema(row: &[u8]) -> Vec<Extremum> {
-    let shapes = row.array_windows::<3>().map(|&template| Shape::of(template)).zip(1..);
-    let extremum = |(shape, column)| match shape {
-        Shape::Peak => Some(Extremum { column, is_peak: true }),
-        Shape::Trough => Some(Extremum { column, is_peak: false }),
-        _ => None,
-    };
-    shapes.filter_map(extremum).collect()
-}
-
-/// The template of `width` px around a column, times its width and without its mean.
-fn template(row: &[u8], column: usize, width: usize) -> Option<impl Iterator<Item = i32>> {
-    let first = column.checked_sub(width / 2)?;
-    let pixels = row.get(first..first + width)?;
-    let sum: i32 = pixels.iter().map(|&value| i32::from(value)).sum();
-    Some(pixels.iter().map(move |&value| i32::from(value) * width as i32 - sum))
-}
-
-/// The right view's extremum that matches one of the left view, if there is one and only one.
-fn matching(
-    left: &[u8],
-    right: &[u8],
-    candidates: &[Extremum],
-    of: Extremum,
-    range: usize,
-    width: usize,
-) -> Option<usize> {
-    let difference = |candidate: &Extremum| {
-        let pixels = template(left, of.column, width)?.zip(template(right, candidate.column, width)?);
-        let (sum, most) = pixels.map(|(l, r)| (l - r).abs()).fold((0, 0), |(sum, most), d| (sum + d, most.max(d)));
-        (most <= DISPERSION * width as i32).then_some((sum, candidate.column))
-    };
-    let within = |candidate: &&Extremum| {
-        candidate.is_peak == of.is_peak
-            && (of.column + 1).saturating_sub(range) <= candidate.column
-            && candidate.column <= of.column
-    };
-    let differences: Vec<(i32, usize)> = candidates.iter().filter(within).filter_map(difference).collect();
-    let &(least, column) = differences.iter().min()?;
-    let others = differences.iter().filter(|(_, other)| other.abs_diff(column) > 1).map(|(sum, _)| *sum);
-    let is_unique = others.min().is_none_or(|next| 100 * least < UNIQUENESS * next);
-    is_unique.then_some(column)
 }
 
 /// Extrema that have truth, and what became of them.
@@ -274,8 +191,9 @@ fn rows_plot((scene, example): &(&Scene, Example)) -> Result<Plot> {
         Chart { title: name.to_owned(), x, y: Axis::linear("brightness, grey levels", [0.0, 255.0]), layers }
     };
     let caption = format!(
-        "Row {y} of {}: the extremum in column {} of the left view and its match in column {right} of the right view, a \
-         disparity of {} px; the truth is {:.2} px. Chosen as the extremum that stands out most among those matched right.",
+        "Row {y} of {}: the extremum in column {} of the left view and its match in column {right} of the right \
+         view, a disparity of {} px; the truth is {:.2} px. Chosen as the extremum that stands out most among those \
+         matched right.",
         scene.name,
         left.column,
         left.column - right,
@@ -386,8 +304,8 @@ fn dispersion_table(found: &[Found<'_>]) -> Table {
     let mut rows: Vec<Vec<String>> = found.iter().map(|found| row(&found.scene.name, &found.differences)).collect();
     rows.push(row("all", &all_differences(found)));
     let columns = ["scene", "pixels", "mean", "median", "90 %", "95 %", "99 %", "within 30, %"];
-    let caption = "Brightness difference of true correspondences, grey levels: mean, and what so many percent stay within. \
-                   The right view is read between pixels.";
+    let caption = "Brightness difference of true correspondences, grey levels: mean, and what so many percent stay \
+    within. The right view is read between pixels.";
     Table {
         name: "dispersion".to_owned(),
         caption: caption.to_owned(),
@@ -435,9 +353,9 @@ fn verdict(found: &[Found<'_>]) -> String {
     let told =
         if is_better { "A wider template is right more often" } else { "A wider template is not right more often" };
     format!(
-        "Of the true correspondences {:.2} % differ by no more than {DISPERSION} grey levels, and 99 % by no more than {}. A \
-         template of 3 pixels is matched at {:.1} % of the extrema, and {:.1} % of these matches are right to 1 px; one of {} \
-         pixels is matched at {:.1} %, of which {:.1} % are right. {told}.",
+        "Of the true correspondences {:.2} % differ by no more than {DISPERSION} grey levels, and 99 % by no more \
+         than {}. A template of 3 pixels is matched at {:.1} % of the extrema, and {:.1} % of these matches are \
+         right to 1 px; one of {} pixels is matched at {:.1} %, of which {:.1} % are right. {told}.",
         within(&counts, DISPERSION as usize),
         quantile(&counts, 0.99),
         percent(matches[0].answered, matches[0].asked),
@@ -451,43 +369,6 @@ fn verdict(found: &[Found<'_>]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn shapes_are_what_they_are_called() {
-        let cases = [
-            ([10, 50, 10], Shape::Peak),
-            ([50, 10, 50], Shape::Trough),
-            ([10, 12, 11], Shape::Plateau),
-            ([10, 20, 30], Shape::Rise),
-            ([10, 10, 30], Shape::Rise),
-            ([30, 20, 20], Shape::Fall),
-            ([255, 128, 0], Shape::Fall),
-        ];
-        for (template, shape) in cases {
-            assert_eq!(Shape::of(template), shape, "{template:?}");
-        }
-    }
-
-    #[test]
-    fn an_extremum_is_found_again_at_its_shift_in_other_light() {
-        let left: Vec<u8> = (0..64u32).map(|x| (x * x * 7 % 101) as u8 + 40).collect();
-        let right: Vec<u8> = (0..64).map(|x| left[(x + 5) % 64] - 20).collect();
-        let candidates = extrema(&right);
-        let inner = extrema(&left).into_iter().filter(|e| (20..55).contains(&e.column));
-        let found: Vec<(usize, Option<usize>)> =
-            inner.map(|e| (e.column, matching(&left, &right, &candidates, e, 16, 5))).collect();
-        assert!(found.len() > 5 && found.iter().all(|&(l, r)| r.is_none_or(|r| l - r == 5)), "{found:?}");
-        assert!(found.iter().filter(|(_, r)| r.is_some()).count() > found.len() / 2, "{found:?}");
-    }
-
-    #[test]
-    fn two_equal_candidates_are_no_match() {
-        let mut row = [50u8; 40];
-        (row[10], row[20], row[30]) = (90, 90, 90);
-        let peak = Extremum { column: 30, is_peak: true };
-        assert_eq!(matching(&row, &row, &extrema(&row), peak, 32, 3), None);
-        assert_eq!(matching(&row, &row, &extrema(&row), peak, 8, 3), Some(30));
-    }
 
     #[test]
     fn quantiles_count_from_the_smallest_difference() {
