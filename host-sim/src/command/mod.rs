@@ -7,6 +7,7 @@ mod eval;
 mod play;
 mod record;
 mod shared;
+mod study;
 mod twin;
 
 use std::ffi::OsString;
@@ -45,6 +46,8 @@ enum Command {
     Ablate(ablate::Args),
     /// The firmware application on an emulated Cortex-M: same bytes, every instruction counted
     Twin(twin::Args),
+    /// Repeats the paper's experiments: tables, plots and a page
+    Study(study::Args),
 }
 
 /// How a command ends when it does not succeed.
@@ -107,6 +110,7 @@ impl Cli {
             Command::Record(args) => args.run()?,
             Command::Ablate(args) => args.run()?,
             Command::Twin(args) => args.run()?,
+            Command::Study(args) => args.run()?,
         }
         Ok(())
     }
@@ -191,6 +195,11 @@ mod tests {
             ("haarline record l -o d --wiring pixel", "RIGHT"),
             ("haarline record -o d --wiring pixel", "LEFT"),
             ("haarline record l r --wiring pixel", "--output"),
+            ("haarline study", "<NAME>"),
+            ("haarline study detial -o d", "detail"),
+            ("haarline study all", "--output"),
+            ("haarline study all -o d --seed -1", "--seed"),
+            ("haarline study all -o d --only room", "--scenes"),
         ];
         for (line, wanted) in cases {
             let told = refused(line);

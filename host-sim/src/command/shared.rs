@@ -192,18 +192,7 @@ pub(super) struct Benchmark {
 impl Benchmark {
     /// The folders that `--only` names, or all.
     pub(super) fn folders(&self) -> Result<Vec<PathBuf>> {
-        let folders = find_scenes(&self.scenes)?;
-        let name = |folder: &Path| folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        for wanted in &self.only {
-            ensure!(
-                folders.iter().any(|folder| name(folder) == *wanted),
-                "--only: there is no scene {wanted:?} in {}, which has {}",
-                self.scenes.display(),
-                list(folders.iter().map(|folder| name(folder)))
-            );
-        }
-        let is_wanted = |folder: &PathBuf| self.only.is_empty() || self.only.contains(&name(folder));
-        Ok(folders.into_iter().filter(is_wanted).collect())
+        scene_folders(&self.scenes, &self.only)
     }
 
     /// OpenCV's figures, if a file is named or found.
@@ -211,6 +200,22 @@ impl Benchmark {
         let found = || Baselines::find(&self.scenes);
         self.baselines.clone().or_else(found).map(|path| Baselines::read(&path)).transpose()
     }
+}
+
+/// The folders of the scenes in `scenes` that `only` names, or of all.
+pub(super) fn scene_folders(scenes: &Path, only: &[String]) -> Result<Vec<PathBuf>> {
+    let folders = find_scenes(scenes)?;
+    let name = |folder: &Path| folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    for wanted in only {
+        ensure!(
+            folders.iter().any(|folder| name(folder) == *wanted),
+            "--only: there is no scene {wanted:?} in {}, which has {}",
+            scenes.display(),
+            list(folders.iter().map(|folder| name(folder)))
+        );
+    }
+    let is_wanted = |folder: &PathBuf| only.is_empty() || only.contains(&name(folder));
+    Ok(folders.into_iter().filter(is_wanted).collect())
 }
 
 /// The first names, and how many more there are.

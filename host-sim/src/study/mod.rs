@@ -1,15 +1,43 @@
 //! Studies: the paper's experiments, repeated and measured.
 //!
 //! A study is a function from a [`Setup`] to an [`Outcome`], and knows nothing of files; [`outcome`]
-//! says what it may hold.
+//! says what it may hold. [`STUDIES`] is the registry of them, [`page`] shows them, [`plot`] draws for them and
+//! [`rendered`] has scenes for those who are given none.
 
+pub mod detail;
+pub mod envelope;
 pub mod outcome;
+pub mod page;
+pub mod plot;
+pub mod rendered;
 
 pub use outcome::{Outcome, Part, Plot, Table};
 
+use anyhow::Result;
 use indicatif::ProgressBar;
 
 use crate::scene::Scene;
+
+/// All studies, in the order of the page.
+pub const STUDIES: &[Study] = &[
+    Study {
+        name: "envelope",
+        about: "Fig. 1: templates around the extrema of a row, and their dispersion",
+        run: envelope::run,
+    },
+    Study { name: "detail", about: "Fig. 2: what a longer Haar support leaves of fine structures", run: detail::run },
+];
+
+/// A study by its name.
+#[derive(Debug, Clone, Copy)]
+pub struct Study {
+    /// Its name on the command line; begins the names of its files.
+    pub name: &'static str,
+    /// What it is about, in one line.
+    pub about: &'static str,
+    /// Does it.
+    pub run: fn(&Setup<'_>) -> Result<Outcome>,
+}
 
 /// What every study is given.
 pub struct Setup<'a> {

@@ -14,5 +14,6 @@ mod eval;
 mod files;
 mod record;
 mod scene;
+mod study;
 mod tool;
 mod twin;
