@@ -3,6 +3,8 @@
 //! A study is a function from a [`Setup`] to an [`Outcome`], and knows nothing of files; [`outcome`]
 //! says what it may hold.
 
+pub mod block;
+pub mod operations;
 pub mod outcome;
 
 pub use outcome::{Outcome, Part, Plot, Table};
