@@ -107,7 +107,7 @@ impl Oracle {
             Cost::Correlation => {
                 let (product, energies) = (sum(|(l, r)| l * r), sum(|(l, _)| l * l) * sum(|(_, r)| r * r));
                 // Towards zero, in both directions.
-                (1 << 15) - if energies == 0 { 0 } else { (product * product.abs() << 15) / energies }
+                (1 << 15) - if energies == 0 { 0 } else { ((product * product.abs()) << 15) / energies }
             }
         };
         cost as i32

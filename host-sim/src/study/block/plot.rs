@@ -8,6 +8,8 @@ use crate::study::Plot;
 
 /// Size of the picture, px.
 const SIZE: (u32, u32) = (900, 560);
+/// Size of words and numbers, px.
+const FONT_SIZE: u32 = 14;
 /// What is plotted, and how: the clean frames filled, the noisy ones not.
 const FRAMES: [(&str, bool); 2] = [("clean", true), ("sigma 10", false)];
 
@@ -32,8 +34,13 @@ fn draw(svg: &mut String, trials: &[Trial]) -> Result<(), Box<dyn std::error::Er
         .margin(12)
         .x_label_area_size(44)
         .y_label_area_size(56)
-        .build_cartesian_2d(0.0..most * 1.35, 0.0..highest * 1.1)?;
-    chart.configure_mesh().x_desc("operations per pixel").y_desc("tot2, % of the scored pixels").draw()?;
+        .build_cartesian_2d(0.0..most * 1.6, 0.0..highest * 1.1)?;
+    chart
+        .configure_mesh()
+        .x_desc("operations per pixel")
+        .y_desc("tot2, % of the scored pixels")
+        .label_style(("sans-serif", FONT_SIZE))
+        .draw()?;
     for (index, entry) in super::ENTRIES.iter().enumerate() {
         let colour = Palette99::pick(index).to_rgba();
         for (frames, filled) in FRAMES {
@@ -46,7 +53,13 @@ fn draw(svg: &mut String, trials: &[Trial]) -> Result<(), Box<dyn std::error::Er
             }
         }
     }
-    chart.configure_series_labels().background_style(WHITE.mix(0.9)).border_style(BLACK).draw()?;
+    let label_font = ("sans-serif", FONT_SIZE);
+    chart
+        .configure_series_labels()
+        .label_font(label_font)
+        .background_style(WHITE.mix(0.9))
+        .border_style(BLACK)
+        .draw()?;
     drop(chart);
     root.present()?;
     Ok(())
