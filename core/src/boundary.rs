@@ -2,6 +2,7 @@
 
 use crate::block::{Block, SIZE, Source};
 use crate::cost::{ROWS, sad};
+use crate::count;
 use crate::ring::MARGIN;
 
 /// Side of the window around a quarter: one pixel more all around.
@@ -16,6 +17,9 @@ pub(crate) fn choose_sources(
     left: &[&[u8]; ROWS],
     right: &[&[u8]; ROWS],
 ) {
+    // Two candidates of upper quarters, one of lower ones: whether their surfaces differ.
+    count::subtractions(6 * row.len());
+    count::comparisons(12 * row.len());
     for index in 0..row.len() {
         let at = |index: Option<usize>| row.get(index?).copied().flatten();
         let beside = [at(index.checked_sub(1)), at(index.checked_add(1))];
@@ -36,6 +40,8 @@ pub(crate) fn choose_sources(
                 };
                 // The own surface has the benefit of the doubt: its cost counts 4/5.
                 let to_beat = best.or_else(|| cost(block).map(|own| own * 4 / 5));
+                count::multiplications(2);
+                count::comparisons(1);
                 match (cost(&other), to_beat) {
                     (Some(cost), Some(to_beat)) if cost < to_beat => {
                         best = Some(cost);

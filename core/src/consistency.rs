@@ -1,6 +1,7 @@
 //! From blocks to answered pixels: texture test, confidence, left-right check, output rows.
 
 use crate::block::{Floor, Neighbourhood, SIZE, Source};
+use crate::count;
 use crate::texture::{NO_EVIDENCE, Texture};
 use crate::{Config, Disparity, DisparityRow};
 
@@ -74,6 +75,8 @@ impl<const BLOCKS: usize> Pixels<BLOCKS> {
     fn claim(&mut self, blocks: &Neighbourhood<'_>, width: usize, quarter_row: usize) {
         let claims = self.claims.as_flattened_mut();
         claims.fill((u16::MAX, 0));
+        // Its claim, and the lesser confidence of each quarter.
+        count::comparisons(width + width / QUARTER);
         for (x, answer) in quarters(blocks, width, quarter_row) {
             let Some(answer) = answer else { continue };
             for x in x..(x + QUARTER).min(width) {
@@ -96,6 +99,10 @@ impl<const BLOCKS: usize> Pixels<BLOCKS> {
     fn check(&mut self, blocks: &Neighbourhood<'_>, width: usize, row: usize) {
         let (claims, disparity) = (self.claims.as_flattened(), self.disparity.as_flattened_mut());
         let confidence = self.confidence.as_flattened_mut();
+        // The claim's disparity against its own, the blank pixel; the answer's fraction.
+        count::subtractions(width);
+        count::comparisons(3 * width + width / QUARTER);
+        count::additions(width);
         for (x, answer) in quarters(blocks, width, row / QUARTER) {
             for x in x..(x + QUARTER).min(width) {
                 let (Some(disparity), Some(confidence)) = (disparity.get_mut(x), confidence.get_mut(x)) else {
@@ -162,6 +169,10 @@ fn quarter_answer(blocks: &Neighbourhood<'_>, index: usize, side: usize, quarter
 /// that has a textured edge in its window but none of its own matches well for the edge's sake, so it
 /// is judged by those around it that are within the noise.
 fn judge_texture(blocks: &mut Neighbourhood<'_>, texture: Texture) {
+    // Mismatches of nine blocks, twice; the verdict.
+    count::additions(4 * 9 * blocks.row.len());
+    count::comparisons(blocks.row.len());
+    count::multiplications(blocks.row.len());
     for index in 0..blocks.row.len() {
         let span = index.saturating_sub(1)..index + 2;
         let (mut all, mut at_floor) = ((0, 0), (0, 0));
@@ -187,6 +198,11 @@ fn judge_texture(blocks: &mut Neighbourhood<'_>, texture: Texture) {
 
 /// Rates each block of the row among its four neighbours.
 fn rate_confidence(blocks: &mut Neighbourhood<'_>) {
+    // Four neighbours, then the confidence.
+    count::additions(6 * blocks.row.len());
+    count::subtractions(7 * blocks.row.len());
+    count::comparisons(14 * blocks.row.len());
+    count::multiplications(3 * blocks.row.len());
     for index in 0..blocks.row.len() {
         let Some(Some(block)) = blocks.row.get(index).copied() else { continue };
         let (mut least, mut jumps) = (block.merit, 0);

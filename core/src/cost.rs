@@ -28,6 +28,10 @@ pub(crate) fn sad<const WIDTH: usize>(
         sum += left.iter().zip(right).map(|(&a, &b)| i32::from(a.abs_diff(b))).sum::<i32>();
     }
     count::sad_words(left.len() * WIDTH.div_ceil(4));
+    count::evaluations(1);
+    count::subtractions(left.len() * WIDTH);
+    count::comparisons(left.len() * WIDTH);
+    count::additions(left.len() * WIDTH);
     Some(sum)
 }
 
@@ -35,6 +39,9 @@ pub(crate) fn sad<const WIDTH: usize>(
 #[inline]
 fn energy<const WIDTH: usize>(rows: &[&[u8]], column: usize) -> Option<i32> {
     let mut sum = 0;
+    count::subtractions(rows.len() * WIDTH);
+    count::comparisons(rows.len() * WIDTH);
+    count::additions(rows.len() * WIDTH);
     for row in rows {
         let row = row.get(column..)?.first_chunk::<WIDTH>()?;
         sum += row.iter().map(|&a| (i32::from(a) - CLIP).abs()).sum::<i32>();
@@ -74,6 +81,11 @@ impl<const WIDTH: usize> BlockCost<'_, WIDTH> {
         let mismatch = mismatch(cost - self.farness(disparity), energies[0] + energies[1], i32::from(Self::PIXELS));
         let window = texture.is_at_floor(i32::midpoint(energies[0], energies[1]), u32::from(Self::PIXELS));
         let mut pixels = 0;
+        // The features within the noise, then mismatch, floor and verdict.
+        count::subtractions(SIZE * SIZE + 1);
+        count::comparisons(2 * SIZE * SIZE + 3);
+        count::additions(2);
+        count::multiplications(4);
         // The block's own rows within the window, last one first.
         for row in self.left[1..=SIZE].iter().rev() {
             for &feature in row.get(SIZE * index + MARGIN..)?.first_chunk::<SIZE>()?.iter().rev() {
@@ -92,6 +104,9 @@ impl<const WIDTH: usize> BlockCost<'_, WIDTH> {
     }
 
     fn farness(&self, disparity: i32) -> i32 {
+        count::additions(1);
+        count::subtractions(1);
+        count::multiplications(1);
         (i32::from(self.config.min_disparity) + i32::from(self.config.num_disparities) - 1 - disparity) / 3
     }
 }

@@ -1,5 +1,7 @@
 //! How dark the frame is, judged from the rows that came so far: what gain the front end gives it.
 
+use crate::count;
+
 /// One pixel in so many is looked at.
 const STRIDE: usize = 4;
 /// One pixel in so many may saturate.
@@ -26,6 +28,9 @@ impl Exposure {
     }
 
     pub(crate) fn add(&mut self, pixels: &[u8]) {
+        let looked_at = pixels.len().div_ceil(STRIDE);
+        count::additions(3 * looked_at);
+        count::comparisons(2 * looked_at);
         for &pixel in pixels.iter().step_by(STRIDE) {
             self.total += 1;
             self.over_quarter += u32::from(pixel >= 64);

@@ -4,6 +4,7 @@ use crate::block::{Block, BlockRows, JUMP};
 use crate::boundary::choose_sources;
 use crate::confidence::Merit;
 use crate::cost::{BlockCost, ROWS};
+use crate::count;
 use crate::extremum::Minimum;
 use crate::label::{Label, Labels};
 use crate::matcher::{Matcher, Stage};
@@ -178,6 +179,8 @@ impl<'a, const BLOCKS: usize> Row<'a, BLOCKS> {
 
     /// The message of the block beside: surfaces may change for half the price where the grey level does.
     fn message_along<const N: usize>(&self, from: &Paths<N>, disparity: i32, blocks: [usize; 2]) -> i32 {
+        count::subtractions(1);
+        count::comparisons(2);
         let [a, b] = blocks.map(|index| self.stage.grey.get(index).copied().unwrap_or(0));
         let jump = self.penalties.jump / if a.abs_diff(b) > GREY_STEP { 2 } else { 1 };
         self.weigh(from, disparity, Penalties { jump, ..self.penalties })
@@ -227,6 +230,8 @@ impl<'a, const BLOCKS: usize> Row<'a, BLOCKS> {
 
 /// Merit of a label: half the margin of its path and half that of its cost, less its cost.
 fn merit<const N: usize>(paths: &Paths<N>, label: Label) -> Merit {
+    count::subtractions(paths.labels.len());
+    count::comparisons(3 * paths.labels.len());
     let path_of = |(other, path): (Label, i32)| ((other.disparity - label.disparity).abs() > JUMP).then_some(path);
     let own = paths.iter().find(|(other, _)| *other == label).map_or(0, |(_, path)| path);
     let path_margin = paths.iter().filter_map(path_of).min().map_or(MOST_PATH_MARGIN, |path| path - own);

@@ -1,5 +1,7 @@
 //! Labels: the disparities of a block that were evaluated, with their costs.
 
+use crate::count;
+
 /// The `N` cheapest labels that a block evaluated, in no order.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Labels<const N: usize> {
@@ -45,6 +47,8 @@ impl<const N: usize> Labels<N> {
 
     /// The least cost of those more than `distance` away from a disparity.
     pub(crate) fn least_cost_beyond(&self, disparity: i32, distance: i32) -> Option<i32> {
+        count::subtractions(self.len());
+        count::comparisons(3 * self.len());
         self.iter().filter(|label| (label.disparity - disparity).abs() > distance).map(|label| label.cost).min()
     }
 
@@ -56,6 +60,7 @@ impl<const N: usize> Labels<N> {
         if slot < N {
             self.len += 1;
         } else {
+            count::comparisons(N);
             let costliest = self.cost.iter().enumerate().max_by_key(|(_, cost)| **cost);
             slot = match costliest {
                 Some((slot, &worst)) if worst > cost => slot,

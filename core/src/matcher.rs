@@ -5,6 +5,7 @@ use crate::Config;
 use crate::block::{BlockRows, SIZE, SIZE_U32};
 use crate::noise::Noise;
 use crate::parts::Parts;
+use crate::reading::Reading;
 use crate::ring::MARGIN;
 use crate::seed::Seeds;
 use crate::stage::StageClock;
@@ -13,6 +14,11 @@ use crate::view::View;
 
 /// How a method decides the blocks; the pipeline does the rest.
 pub trait Matcher<const FEATURE_ROWS: usize, const BLOCKS: usize> {
+    /// What its blocks consist of.
+    fn reading(&self) -> Reading {
+        Reading::Haar
+    }
+
     /// Forgets the frame.
     fn clear(&mut self);
 

@@ -1,7 +1,9 @@
 //! How noisy the frame is, judged from the rows that came so far.
 
+use crate::count;
 use crate::exposure::Gain;
 use crate::haar::difference_121;
+use crate::reading::Reading;
 use crate::ring::MARGIN;
 
 const BINS: usize = 64;
@@ -39,6 +41,10 @@ impl NoiseHistogram {
         else {
             return;
         };
+        let pixels = width.saturating_sub(2).div_ceil(STRIDE);
+        count::subtractions(12 * pixels);
+        count::comparisons(2 * pixels);
+        count::additions(2 * pixels);
         for ((a, b), c) in a.windows(3).zip(b.windows(3)).zip(c.windows(3)).step_by(STRIDE) {
             let across = |r: &[u8]| difference_121(i32::from(r[0]), i32::from(r[1]), i32::from(r[2]));
             let second = difference_121(across(a), across(b), across(c)).unsigned_abs() as usize;
@@ -60,6 +66,9 @@ impl NoiseHistogram {
         // In units of 1/100 count.
         let target = u32::from(self.total) * percent;
         let mut below = 0;
+        count::additions(BINS);
+        count::comparisons(BINS);
+        count::multiplications(BINS);
         for (value, &count) in (0..).zip(&self.bins) {
             let count = u32::from(count) * 100;
             if count > 0 && below + count >= target {
@@ -95,6 +104,18 @@ pub(crate) enum SmoothingLevel {
     Strong,
 }
 
+impl SmoothingLevel {
+    /// Additions for each pixel: of the filter, and to round.
+    pub(crate) const fn additions(self) -> usize {
+        match self {
+            Self::Off => 0,
+            Self::Light => 13,
+            Self::Medium => 11,
+            Self::Strong => 12,
+        }
+    }
+}
+
 impl Noise {
     pub(crate) fn of(left: &NoiseHistogram, right: &NoiseHistogram, gain: Gain) -> Self {
         // The lower view decides: texture only ever adds to the estimate.
@@ -111,14 +132,19 @@ impl Noise {
 
     /// The mean magnitude of a feature that noise alone explains, with a margin of 1.3, in 1/16.
     ///
-    /// White noise of 1 grey level gives features of 2.76 in the mean; smoothed 1.32, 0.60, 0.38.
-    pub(crate) fn feature_floor(self) -> u32 {
+    /// White noise of 1 grey level gives gradients of 2.76 in the mean; smoothed 1.32, 0.60, 0.38. Of
+    /// intensities less their mean it is 1.57; smoothed 0.58, 0.33, 0.22.
+    pub(crate) fn feature_floor(self, reading: Reading) -> u32 {
         const LEAST: u32 = 10; // 0.6: a wall that the camera quantises to one grey level
-        let gain = match self.level {
-            SmoothingLevel::Off => 76, // 16 x 1.3 x 2.76 / 0.754
-            SmoothingLevel::Light => 36,
-            SmoothingLevel::Medium => 17,
-            SmoothingLevel::Strong => 10,
+        let gain = match (reading, self.level) {
+            (Reading::Haar, SmoothingLevel::Off) => 76, // 16 x 1.3 x 2.76 / 0.754
+            (Reading::Haar, SmoothingLevel::Light) => 36,
+            (Reading::Haar, SmoothingLevel::Medium) => 17,
+            (Reading::Haar, SmoothingLevel::Strong) => 10,
+            (Reading::Intensity, SmoothingLevel::Off) => 43,
+            (Reading::Intensity, SmoothingLevel::Light) => 16,
+            (Reading::Intensity, SmoothingLevel::Medium) => 9,
+            (Reading::Intensity, SmoothingLevel::Strong) => 6,
         };
         (u32::from(self.floor) * gain / 16).max(LEAST)
     }

@@ -27,6 +27,9 @@ impl<const N: usize> Paths<N> {
     pub(crate) fn new(labels: Labels<N>, mut path: impl FnMut(usize, Label) -> i32) -> Self {
         let mut paths = Self { labels, path: [0; N] };
         let mut costs = [0; N];
+        count::additions(2 * labels.len());
+        count::subtractions(2 * labels.len());
+        count::comparisons(labels.len());
         for ((i, label), cost) in labels.iter().enumerate().zip(&mut costs) {
             *cost = path(i, label);
         }
@@ -52,6 +55,10 @@ impl<const N: usize> Paths<N> {
     /// getting there, `0..=jump`; 0 where there are none.
     pub(crate) fn message(&self, disparity: i32, penalties: Penalties) -> i32 {
         count::label_pairs(self.labels.len());
+        count::additions(self.labels.len());
+        count::subtractions(self.labels.len());
+        count::comparisons(3 * self.labels.len());
+        count::multiplications(self.labels.len());
         let price = |(label, path): (Label, i32)| {
             path + ((label.disparity - disparity).abs() * penalties.slope).min(penalties.jump)
         };
@@ -60,6 +67,7 @@ impl<const N: usize> Paths<N> {
 
     /// The label of the best path, and its path cost; the first of several.
     pub(crate) fn best(&self) -> Option<(Label, i32)> {
+        count::comparisons(self.labels.len());
         self.iter().min_by_key(|&(_, path)| path)
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::block::{BlockRows, SIZE, SIZE_U32};
 use crate::consistency::answer;
+use crate::count;
 use crate::exposure::Exposure;
 use crate::matcher::{Matcher, Stage};
 use crate::noise::{Noise, SmoothingLevel};
@@ -53,7 +54,7 @@ pub struct Pipeline<M, const FEATURE_ROWS: usize, const BLOCKS: usize, C = Untim
     /// Mean grey level of each block of the row that is due, left view.
     grey: [u8; BLOCKS],
     blocks: BlockRows<BLOCKS>,
-    matcher: M,
+    pub(crate) matcher: M,
     /// Rows of this frame pushed or missed so far.
     rows: u32,
     /// Rows of this frame delivered so far.
@@ -162,8 +163,9 @@ where
             }
         }
         if newest >= FEATURE_LAG {
-            self.left.feature_row(width);
-            self.right.feature_row(width);
+            let reading = self.matcher.reading();
+            self.left.feature_row(reading, width);
+            self.right.feature_row(reading, width);
             // One row below the block row's last one ends its window.
             let features = self.left.features.len();
             if features > SIZE_U32 && features % SIZE_U32 == 1 {
@@ -185,8 +187,14 @@ where
             // Columns beside the image complete the support at its border columns.
             let beside = usize::from(HALF_SUPPORT);
             let line = sums.get(MARGIN - beside..MARGIN + width + beside - 1).unwrap_or(&[]);
+            count::additions(3 * width);
+            // A running response, its magnitude and that of its neighbours, the threshold.
+            count::additions(2 * line.len());
+            count::subtractions(3 * line.len());
+            count::comparisons(6 * line.len());
             contours.find(line, -i32::from(HALF_SUPPORT), HALF_SUPPORT, CONTOUR_THRESHOLD);
         }
+        count::additions(self.config.blocks() * SIZE);
         for (grey, columns) in self.grey.iter_mut().zip(sums.iter().skip(MARGIN / SIZE)) {
             let sum: u16 = columns.iter().sum(); // 16 pixels, so below 2^12
             *grey = u8::try_from(sum / 16).unwrap_or(u8::MAX);
@@ -220,7 +228,7 @@ where
     }
 
     fn texture(&self) -> Texture {
-        if self.parts.texture { Texture::of(self.noise) } else { Texture::OFF }
+        if self.parts.texture { Texture::of(self.noise, self.matcher.reading()) } else { Texture::OFF }
     }
 
     /// Delivers the rows of the last block row but one, or of the last one at the end of the frame.

@@ -2,8 +2,9 @@
 
 use crate::block::Block;
 use crate::cost::BlockCost;
+use crate::count;
 use crate::extremum::{Minimum, descend};
-use crate::label::Labels;
+use crate::label::{Label, Labels};
 use crate::seed::Seeds;
 
 /// Steps of the walk from the best hypothesis.
@@ -33,7 +34,10 @@ impl Decided {
     }
 
     /// What a disparity pays for leaving the neighbours'.
-    fn penalty(self, disparity: i32, bias: Bias) -> i32 {
+    pub(crate) fn penalty(self, disparity: i32, bias: Bias) -> i32 {
+        count::additions(1);
+        count::subtractions(2);
+        count::comparisons(6);
         let pay = |neighbour: Option<i32>| match neighbour.map(|other| (other - disparity).abs()) {
             None | Some(0) => 0,
             Some(1) => bias.near,
@@ -70,20 +74,37 @@ pub(crate) fn search_block<const WIDTH: usize, const N: usize>(
     walk: bool,
     labels: &mut Labels<N>,
 ) -> Option<Minimum> {
-    let mut best: Option<(i32, i32, i32)> = None;
+    let start = best_hypothesis(cost, index, hypotheses, decided, bias, labels)?;
+    if !walk {
+        return Some(Minimum { at: start.disparity, cost: start.cost, before: None, after: None });
+    }
+    Some(descend(start.disparity, start.cost, STEPS, |d| {
+        count::comparisons(1);
+        labels.cost_or(d, || cost.of(index, d))
+    }))
+}
+
+/// The hypothesis of the least cost and bias; all of them become labels.
+pub(crate) fn best_hypothesis<const WIDTH: usize, const N: usize>(
+    cost: &BlockCost<'_, WIDTH>,
+    index: usize,
+    hypotheses: impl Iterator<Item = i32>,
+    decided: Decided,
+    bias: Bias,
+    labels: &mut Labels<N>,
+) -> Option<Label> {
+    let mut best: Option<(i32, Label)> = None;
     for disparity in hypotheses {
         if labels.cost_of(disparity).is_some() {
             continue;
         }
         let Some(plain) = labels.cost_or(disparity, || cost.of(index, disparity)) else { continue };
+        count::additions(1);
+        count::comparisons(1);
         let biased = plain + decided.penalty(disparity, bias);
-        if best.is_none_or(|(least, ..)| biased < least) {
-            best = Some((biased, disparity, plain));
+        if best.is_none_or(|(least, _)| biased < least) {
+            best = Some((biased, Label { disparity, cost: plain }));
         }
     }
-    let (_, start, start_cost) = best?;
-    if !walk {
-        return Some(Minimum { at: start, cost: start_cost, before: None, after: None });
-    }
-    Some(descend(start, start_cost, STEPS, |d| labels.cost_or(d, || cost.of(index, d))))
+    best.map(|(_, label)| label)
 }

@@ -3,6 +3,7 @@
 use crate::Config;
 use crate::contour::{Contour, ContourLine};
 use crate::cost::sad;
+use crate::count;
 
 /// Columns of the window that compares two contours.
 const WINDOW: usize = 8;
@@ -88,8 +89,13 @@ impl<const BLOCKS: usize> Seeds<BLOCKS> {
             let (mut best, mut second, mut partner) = (u16::MAX, u16::MAX, NOBODY);
             let in_range = |c: &&Contour| column - i32::from(c.column) >= least;
             let candidates = right.get(start..).unwrap_or(&[]).iter().take_while(in_range);
+            // Uniqueness, after all candidates.
+            count::multiplications(2);
+            count::comparisons(1);
+            let candidates = candidates.inspect(|_| count_resemblance());
             for (j, candidate) in (start..).zip(candidates).filter(|(_, c)| contour.resembles(**c)) {
                 let Some(cost) = contour_cost(*contour, *candidate, left_rows, right_rows) else { continue };
+                count::comparisons(3);
                 let j16 = u16::try_from(j).unwrap_or(NOBODY);
                 if cost < best {
                     (best, second, partner) = (cost, best, j16);
@@ -128,6 +134,12 @@ impl<const BLOCKS: usize> Seeds<BLOCKS> {
             }
         }
     }
+}
+
+/// Whether it is in range; the polarities, and the strengths doubled and trebled.
+fn count_resemblance() {
+    count::additions(4);
+    count::comparisons(4);
 }
 
 fn contour_cost(left: Contour, right: Contour, left_rows: &[&[u8]], right_rows: &[&[u8]]) -> Option<u16> {

@@ -6,6 +6,7 @@
 //! independent noise would, averaged over it and the blocks around it.
 
 use crate::noise::{Noise, SmoothingLevel};
+use crate::reading::Reading;
 
 /// Mismatch of a block that shows no texture at all, percent.
 pub(crate) const NO_EVIDENCE: u8 = 100;
@@ -23,7 +24,7 @@ impl Texture {
     /// No block is blank.
     pub(crate) const OFF: Self = Self { floor: 0, blank_mismatch: u8::MAX as u16 + 1 };
 
-    pub(crate) fn of(noise: Noise) -> Self {
+    pub(crate) fn of(noise: Noise, reading: Reading) -> Self {
         // Independent noise gives 70 percent, a little less after the best of a few was picked.
         // Smoothed noise leaves real matches with little evidence of their own: be lenient there.
         let blank_mismatch = match noise.level {
@@ -31,7 +32,7 @@ impl Texture {
             SmoothingLevel::Light => 63,
             SmoothingLevel::Medium | SmoothingLevel::Strong => 72,
         };
-        Self { floor: noise.feature_floor(), blank_mismatch }
+        Self { floor: noise.feature_floor(reading), blank_mismatch }
     }
 
     /// Whether features that sum up to `energy` over `pixels` are within what noise explains.

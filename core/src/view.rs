@@ -1,9 +1,11 @@
 //! One camera's view: raw rows in, smoothed rows and feature rows out.
 
+use crate::count;
 use crate::exposure::Gain;
 use crate::haar::{pair_sum, sum_121, sum_12221};
 use crate::noise::{NoiseHistogram, SmoothingLevel};
-use crate::ring::{RowRing, replicate_borders};
+use crate::reading::Reading;
+use crate::ring::{MARGIN, RowRing, replicate_borders};
 
 /// Features are clipped to +-`CLIP` grey levels and stored with that offset.
 pub(crate) const CLIP: i32 = 31;
@@ -46,6 +48,9 @@ impl<const FEATURE_ROWS: usize, const BLOCKS: usize> View<FEATURE_ROWS, BLOCKS> 
     pub(crate) fn smooth_row(&mut self, level: SmoothingLevel, gain: Gain, width: usize) {
         let rows = self.raw.window(i64::from(self.smooth.len()) - 2);
         let out = self.smooth.push();
+        // The filter, rounding; saturation.
+        count::additions(width * level.additions());
+        count::comparisons(width);
         match level {
             SmoothingLevel::Off => copy(rows[2], gain, out),
             SmoothingLevel::Light => smooth_light([rows[1], rows[2], rows[3]], gain, out),
@@ -56,14 +61,22 @@ impl<const FEATURE_ROWS: usize, const BLOCKS: usize> View<FEATURE_ROWS, BLOCKS> 
     }
 
     /// Makes the next feature row, one row behind the newest smoothed one.
-    pub(crate) fn feature_row(&mut self, width: usize) {
+    pub(crate) fn feature_row(&mut self, reading: Reading, width: usize) {
         let y = i64::from(self.features.len());
         let rows = self.smooth.window(y - 1);
         let out = self.features.push();
-        if y % 2 == 0 {
-            gradient_across(rows, out);
-        } else {
-            gradient_down(rows, out);
+        // Of a gradient two `[1 2 1]`, of a mean the columns that come and go; the offset, clipping.
+        let (additions, subtractions) = match reading {
+            Reading::Intensity => (9, 2),
+            Reading::Haar => (7, 1),
+        };
+        count::additions(width * additions);
+        count::subtractions(width * subtractions);
+        count::comparisons(2 * width);
+        match reading {
+            Reading::Intensity => less_mean(rows, out, width),
+            Reading::Haar if y % 2 == 0 => gradient_across(rows, out),
+            Reading::Haar => gradient_down(rows, out),
         }
         replicate_borders(out, width);
     }
@@ -133,6 +146,25 @@ fn gradient_down(rows: [&[u8]; 3], out: &mut [u8]) {
     }
 }
 
+/// Twice what a pixel differs from the mean around it, `[1 2 1]` down and 16 columns across, by a running sum.
+fn less_mean(rows: [&[u8]; 3], out: &mut [u8], width: usize) {
+    const REACH: usize = 8;
+    let [a, b, c] = rows;
+    // Beside the view its border pixel goes on, however far.
+    let last = (width + 2 * MARGIN).saturating_sub(1);
+    let column = |x: usize| {
+        let at = |row: &[u8]| row.get(x.min(last)).copied().unwrap_or(0);
+        i32::from(sum_121(at(a), at(b), at(c)))
+    };
+    let first = MARGIN;
+    let mut sum: i32 = (0..2 * REACH).map(|x| column((first + x).saturating_sub(REACH))).sum();
+    for ((x, &pixel), out) in (first..).zip(b.iter().skip(first)).zip(out.iter_mut().skip(first)).take(width) {
+        // 64 times the pixel less 64 times the mean.
+        *out = clipped((64 * i32::from(pixel) - sum + 16) >> 5);
+        sum += column(x + REACH) - column(x.saturating_sub(REACH));
+    }
+}
+
 fn clipped(gradient: i32) -> u8 {
     u8::try_from(gradient.clamp(-CLIP, CLIP) + CLIP).unwrap_or(0)
 }
@@ -149,7 +181,6 @@ pub(crate) fn sum_rows(rows: [&[u8]; 4], sums: &mut [u16]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ring::MARGIN;
     extern crate std;
     use std::vec::Vec;
 
@@ -195,7 +226,7 @@ mod tests {
                 view.smooth_row(SmoothingLevel::Off, Gain::default(), WIDTH);
             }
             if y >= 3 {
-                view.feature_row(WIDTH);
+                view.feature_row(Reading::Haar, WIDTH);
             }
         }
         let feature = |y: i64, x: usize| i32::from(view.features.row(y)[MARGIN + x]) - CLIP;

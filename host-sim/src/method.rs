@@ -5,8 +5,8 @@ use std::thread::{self, ScopedJoinHandle};
 
 use anyhow::{Result, bail};
 use clap::ValueEnum;
-use haarline::{Config, ConfigError, Full, Lite, StereoMethod, blocks_for};
-use haarline_tests::{BlockSettings, StereoBm};
+use haarline::{Config, ConfigError, Full, Lite, StereoMethod, WaveletBlock, blocks_for};
+use haarline_tests::{BlockSettings, Ncc, Ssd, StereoBm};
 
 /// Columns that every method here has room for.
 const MAX_WIDTH: usize = Config::MAX_WIDTH as usize;
@@ -24,6 +24,12 @@ pub enum MethodKind {
     Lite,
     /// Block matching as in OpenCV's StereoBM, for reference
     Block,
+    /// The same with squared differences (SSD), for reference
+    Ssd,
+    /// The same with the normalised cross-correlation (NCC), for reference
+    Ncc,
+    /// Block matching whose disparities an extremum search finds
+    WaveletBlock,
 }
 
 impl MethodKind {
@@ -37,6 +43,9 @@ impl MethodKind {
             Self::Full => "full",
             Self::Lite => "lite",
             Self::Block => "block",
+            Self::Ssd => "ssd",
+            Self::Ncc => "ncc",
+            Self::WaveletBlock => "wavelet-block",
         }
     }
 
@@ -52,11 +61,41 @@ impl MethodKind {
         Ok(match self {
             Self::Full => Box::new(Full::<{ blocks_for(Config::MAX_WIDTH) }>::new(config)?),
             Self::Lite => Box::new(Lite::<{ blocks_for(Config::MAX_WIDTH) }>::new(config)?),
-            // Its costs take 2 bytes a column and disparity, so a small one for narrow rows.
-            Self::Block if config.width <= 320 => {
-                Box::new(StereoBm::<320, MAX_DISPARITIES>::new(config, BlockSettings::default())?)
-            }
-            Self::Block => Box::new(StereoBm::<MAX_WIDTH, MAX_DISPARITIES>::new(config, BlockSettings::default())?),
+            Self::WaveletBlock => Box::new(WaveletBlock::<{ blocks_for(Config::MAX_WIDTH) }>::new(config)?),
+            Self::Block | Self::Ssd | Self::Ncc => return self.build_reference(config, BlockSettings::default()),
+        })
+    }
+
+    /// A reference with its gates set; another method as ever.
+    ///
+    /// # Errors
+    /// If the configuration is refused.
+    pub fn build_gated(
+        self,
+        config: Config,
+        settings: BlockSettings,
+    ) -> Result<Box<dyn StereoMethod + Send>, ConfigError> {
+        match self {
+            Self::Block | Self::Ssd | Self::Ncc => on_large_stack(|| self.build_reference(config, settings)),
+            _ => self.build(config),
+        }
+    }
+
+    /// Sums take 2 or 4 bytes a column and disparity, so a small instance for narrow rows.
+    fn build_reference(
+        self,
+        config: Config,
+        settings: BlockSettings,
+    ) -> Result<Box<dyn StereoMethod + Send>, ConfigError> {
+        const D: usize = MAX_DISPARITIES;
+        let is_narrow = config.width <= 320;
+        Ok(match self {
+            Self::Ssd if is_narrow => Box::new(Ssd::<320, D>::new(config, settings)?),
+            Self::Ssd => Box::new(Ssd::<MAX_WIDTH, D>::new(config, settings)?),
+            Self::Ncc if is_narrow => Box::new(Ncc::<320, D>::new(config, settings)?),
+            Self::Ncc => Box::new(Ncc::<MAX_WIDTH, D>::new(config, settings)?),
+            _ if is_narrow => Box::new(StereoBm::<320, D>::new(config, settings)?),
+            _ => Box::new(StereoBm::<MAX_WIDTH, D>::new(config, settings)?),
         })
     }
 }

@@ -40,15 +40,17 @@
 mod area;
 mod prefilter;
 mod settings;
+mod sums;
 mod view;
 mod winner;
 
-use haarline::{Config, ConfigError, Disparity, DisparityRow, RowError, ScanlinePair, StereoMethod};
+use haarline::{Config, ConfigError, Disparity, DisparityRow, RowError, ScanlinePair, StereoMethod, count};
 use haarline::{Stage, StageClock, Untimed};
 
 use area::SearchArea;
 pub use prefilter::sobel_x;
 pub use settings::BlockSettings;
+pub use sums::{Absolute, Measure, Place, RunningSums, Step, Sums};
 use view::View;
 use winner::Winner;
 
@@ -72,8 +74,12 @@ use winner::Winner;
 /// let method: StereoBm<320, 64> = StereoBm::new(config, BlockSettings::default()).unwrap();
 /// assert_eq!(method.config().num_disparities, 48);
 /// ```
+pub type StereoBm<const WIDTH: usize, const DISPARITIES: usize, const WINDOW: usize = 9, C = Untimed> =
+    BlockMatcher<RunningSums<Absolute, WIDTH, DISPARITIES>, WIDTH, WINDOW, C>;
+
+/// The steps of block matching around the sums `S` of a cost: [`StereoBm`], [`Ssd`](crate::Ssd), [`Ncc`](crate::Ncc).
 #[derive(Debug, Clone)]
-pub struct StereoBm<const WIDTH: usize, const DISPARITIES: usize, const WINDOW: usize = 9, C = Untimed> {
+pub struct BlockMatcher<S, const WIDTH: usize, const WINDOW: usize, C = Untimed> {
     config: Config,
     settings: BlockSettings,
     /// Columns to answer; none if the range is too large for the row.
@@ -84,53 +90,49 @@ pub struct StereoBm<const WIDTH: usize, const DISPARITIES: usize, const WINDOW: 
     missed: [bool; WINDOW],
     left: View<WIDTH, WINDOW>,
     right: View<WIDTH, WINDOW>,
-    /// Absolute differences summed over the window's rows, by cost column and disparity.
-    column_costs: [[u16; DISPARITIES]; WIDTH],
+    sums: S,
     /// Magnitudes of the left response summed over the window's rows, by cost column.
     column_texture: [u16; WIDTH],
-    /// The sums over the whole window, by disparity.
-    window_costs: [u16; DISPARITIES],
+    /// The sum of them over the whole window.
     window_texture: u32,
     disparity: [Disparity; WIDTH],
     confidence: [u8; WIDTH],
     clock: C,
 }
 
-impl<const WIDTH: usize, const DISPARITIES: usize, const WINDOW: usize> StereoBm<WIDTH, DISPARITIES, WINDOW> {
+impl<S: Sums, const WIDTH: usize, const WINDOW: usize> BlockMatcher<S, WIDTH, WINDOW> {
     /// Prepares the first frame.
     ///
     /// # Errors
     /// If `config` is out of range, or over the capacity: [`ConfigError::Capacity`] for the width,
-    /// [`ConfigError::DisparityCapacity`] for more than `DISPARITIES`.
+    /// [`ConfigError::DisparityCapacity`] for the disparities.
     pub fn new(config: Config, settings: BlockSettings) -> Result<Self, ConfigError> {
         Self::timed(config, settings, Untimed)
     }
 }
 
-impl<const WIDTH: usize, const DISPARITIES: usize, const WINDOW: usize, C: StageClock>
-    StereoBm<WIDTH, DISPARITIES, WINDOW, C>
-{
+impl<S: Sums, const WIDTH: usize, const WINDOW: usize, C: StageClock> BlockMatcher<S, WIDTH, WINDOW, C> {
     /// Pixels of the window to each side of its centre.
     #[expect(clippy::cast_possible_truncation, reason = "a window of at most 21 px")]
     const RADIUS: u32 = (WINDOW / 2) as u32;
 
-    /// As [`new`](StereoBm::new), with a clock that is told of the stages.
+    /// As [`new`](BlockMatcher::new), with a clock that is told of the stages.
     ///
     /// # Errors
     /// As there.
     pub fn timed(config: Config, settings: BlockSettings, clock: C) -> Result<Self, ConfigError> {
         const {
             assert!(WINDOW % 2 == 1 && 5 <= WINDOW && WINDOW <= 21, "an odd window of 5 to 21 px");
-            assert!(0 < DISPARITIES && DISPARITIES <= Config::MAX_DISPARITIES as usize);
+            assert!(0 < S::DISPARITIES && S::DISPARITIES <= Config::MAX_DISPARITIES as usize);
             assert!(Config::MIN_WIDTH as usize <= WIDTH && WIDTH <= Config::MAX_WIDTH as usize);
         }
         config.check()?;
         if usize::from(config.width) > WIDTH {
             return Err(ConfigError::Capacity { max_width: u16::try_from(WIDTH).unwrap_or(u16::MAX) });
         }
-        if usize::from(config.num_disparities) > DISPARITIES {
+        if usize::from(config.num_disparities) > S::DISPARITIES {
             return Err(ConfigError::DisparityCapacity {
-                max_disparities: u16::try_from(DISPARITIES).unwrap_or(u16::MAX),
+                max_disparities: u16::try_from(S::DISPARITIES).unwrap_or(u16::MAX),
             });
         }
         let mut method = Self {
@@ -141,9 +143,8 @@ impl<const WIDTH: usize, const DISPARITIES: usize, const WINDOW: usize, C: Stage
             missed: [false; WINDOW],
             left: View::new(),
             right: View::new(),
-            column_costs: [[0; DISPARITIES]; WIDTH],
+            sums: S::new(),
             column_texture: [0; WIDTH],
-            window_costs: [0; DISPARITIES],
             window_texture: 0,
             disparity: [Disparity::UNKNOWN; WIDTH],
             confidence: [0; WIDTH],
@@ -194,18 +195,23 @@ impl<const WIDTH: usize, const DISPARITIES: usize, const WINDOW: usize, C: Stage
     fn update_columns(&mut self, area: SearchArea, y: u32) {
         let cap = self.settings.prefilter_cap;
         let searched = usize::from(self.config.num_disparities);
-        let (left_in, left_out) = (self.left.entering(), self.left.leaving(y));
-        let (right_in, right_out) = (self.right.entering(), self.right.leaving(y));
-        let columns = self.column_costs.iter_mut().zip(&mut self.column_texture).take(area.cost_columns);
-        for (column, (costs, texture)) in columns.enumerate() {
-            let left = area.left_column(column);
-            let right = area.right_column(column);
-            let (pixel_in, pixel_out) = (left_in[left], left_out[left]);
-            *texture = *texture + difference(pixel_in, cap) - difference(pixel_out, cap);
-            let candidates = right_in[right..][..searched].iter().zip(&right_out[right..][..searched]);
-            for (cost, (&other_in, &other_out)) in costs[..searched].iter_mut().zip(candidates) {
-                *cost = *cost + difference(pixel_in, other_in) - difference(pixel_out, other_out);
-            }
+        let width = usize::from(self.config.width);
+        let [left, right] = [&self.left, &self.right]
+            .map(|view| Step { entering: &view.entering()[..width], leaving: &view.leaving(y)[..width] });
+        self.sums.enter_row(left, right, cap);
+        // Of texture two differences and two sums.
+        count::additions(area.cost_columns);
+        count::subtractions(3 * area.cost_columns);
+        count::comparisons(2 * area.cost_columns);
+        for (column, texture) in self.column_texture.iter_mut().enumerate().take(area.cost_columns) {
+            let place = area.place(column);
+            let pixel = Step { entering: left.entering[place.left], leaving: left.leaving[place.left] };
+            *texture = *texture + difference(pixel.entering, cap) - difference(pixel.leaving, cap);
+            let candidates = Step {
+                entering: &right.entering[place.right..][..searched],
+                leaving: &right.leaving[place.right..][..searched],
+            };
+            self.sums.enter(column, pixel, candidates, cap);
         }
     }
 
@@ -213,44 +219,47 @@ impl<const WIDTH: usize, const DISPARITIES: usize, const WINDOW: usize, C: Stage
     fn match_row(&mut self, area: SearchArea) {
         let searched = usize::from(self.config.num_disparities);
         self.forget_row();
+        count::additions(WINDOW);
         self.window_texture = self.column_texture[..WINDOW].iter().copied().map(u32::from).sum();
-        self.window_costs[..searched].fill(0);
-        for column in &self.column_costs[..WINDOW] {
-            for (cost, entering) in self.window_costs[..searched].iter_mut().zip(column) {
-                *cost += entering;
-            }
+        self.sums.begin(searched);
+        for column in 0..WINDOW {
+            self.sums.add(area.place(column), searched);
         }
         self.decide(area.first);
         for x in area.first + 1..area.end {
-            self.slide(x - area.first - 1);
+            self.slide(area, x - area.first - 1);
             self.decide(x);
         }
     }
 
     /// Moves the window from its first cost column, `leaving`, on by one.
-    fn slide(&mut self, leaving: usize) {
-        let searched = usize::from(self.config.num_disparities);
+    fn slide(&mut self, area: SearchArea, leaving: usize) {
         let entering = leaving + WINDOW;
+        count::additions(1);
+        count::subtractions(1);
         self.window_texture += u32::from(self.column_texture[entering]);
         self.window_texture -= u32::from(self.column_texture[leaving]);
-        let columns = self.column_costs[entering].iter().zip(&self.column_costs[leaving]);
-        for (cost, (entering, leaving)) in self.window_costs[..searched].iter_mut().zip(columns) {
-            *cost = *cost + entering - leaving;
-        }
+        let columns = Step { entering: area.place(entering), leaving: area.place(leaving) };
+        self.sums.slide(columns, usize::from(self.config.num_disparities));
     }
 
     /// Fills in the window's centre, column `x`, if its winner passes the gates.
     fn decide(&mut self, x: usize) {
+        count::comparisons(1);
         if self.window_texture < self.settings.texture_threshold {
             return;
         }
-        let costs = &self.window_costs[..usize::from(self.config.num_disparities)];
+        let searched = usize::from(self.config.num_disparities);
+        // Each slides into its place by running sums, whatever the window.
+        count::evaluations(searched);
+        let costs = self.sums.costs(searched);
         let winner = Winner::find(costs);
         let ratio = self.settings.uniqueness_ratio;
         if ratio > 0 && !winner.is_unique(ratio) {
             return;
         }
-        let q8 = self.disparity_px(winner.index) * 256 + winner.refine(costs);
+        let refined = winner.refine(costs);
+        let q8 = self.disparity_px(winner.index) * 256 + refined;
         self.disparity[x] = Disparity::from_bits(round_up_to_q4(q8));
         self.confidence[x] = winner.margin();
     }
@@ -276,8 +285,8 @@ impl<const WIDTH: usize, const DISPARITIES: usize, const WINDOW: usize, C: Stage
     }
 }
 
-impl<const WIDTH: usize, const DISPARITIES: usize, const WINDOW: usize, C: StageClock> StereoMethod
-    for StereoBm<WIDTH, DISPARITIES, WINDOW, C>
+impl<S: Sums, const WIDTH: usize, const WINDOW: usize, C: StageClock> StereoMethod
+    for BlockMatcher<S, WIDTH, WINDOW, C>
 {
     fn config(&self) -> &Config {
         &self.config
@@ -288,7 +297,7 @@ impl<const WIDTH: usize, const DISPARITIES: usize, const WINDOW: usize, C: Stage
         // Above the frame both views count as flat: without difference, without texture.
         self.left.reset(self.settings.prefilter_cap);
         self.right.reset(self.settings.prefilter_cap);
-        self.column_costs.as_flattened_mut().fill(0);
+        self.sums.reset();
         self.column_texture.fill(0);
     }
 
@@ -325,7 +334,7 @@ impl<const WIDTH: usize, const DISPARITIES: usize, const WINDOW: usize, C: Stage
     }
 }
 
-/// Absolute difference of two responses, or of a response and the cap: at most 126.
+/// Magnitude of a response that is `cap` too great: at most 63.
 fn difference(one: u8, other: u8) -> u16 {
     u16::from(one.abs_diff(other))
 }

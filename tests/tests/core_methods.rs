@@ -1,11 +1,11 @@
-//! What holds for the methods of the core, `lite` and `full`.
+//! What holds for the methods of the core, `lite`, `full` and `wavelet-block`.
 
 mod common;
 
 use common::map::{Losses, run_with_losses};
 use common::property::{cases, samples};
 use common::{Subject, all_hold};
-use haarline::{Config, ConfigError, Full, Lite, Parts, StereoMethod, blocks_for};
+use haarline::{Config, ConfigError, Full, Lite, Parts, Reading, StereoMethod, WaveletBlock, blocks_for};
 use proptest::prelude::*;
 
 /// A method with room for rows of `$width` px.
@@ -51,6 +51,48 @@ mod full {
 
     const FULL: Subject = subject!("full", Full);
     all_hold!(FULL);
+}
+
+mod wavelet_block {
+    use super::*;
+
+    const WAVELET_BLOCK: Subject = subject!("wavelet_block", WaveletBlock);
+    all_hold!(WAVELET_BLOCK);
+}
+
+mod wavelet_block_of_intensities {
+    use super::*;
+
+    /// The same with room to spare, of the other reading.
+    fn build(config: Config) -> Box<dyn StereoMethod> {
+        match config.width {
+            0..=200 => Box::new(WaveletBlock::<{ blocks_for(204) }>::with_reading(config, Reading::Intensity).unwrap()),
+            _ => Box::new(WaveletBlock::<{ blocks_for(1280) }>::with_reading(config, Reading::Intensity).unwrap()),
+        }
+    }
+
+    const INTENSITIES: Subject = Subject {
+        name: "wavelet_block_of_intensities",
+        build,
+        build_tight: build,
+        build_widest: |config| {
+            Box::new(WaveletBlock::<{ blocks_for(1280) }>::with_reading(config, Reading::Intensity).unwrap())
+        },
+        latency: WaveletBlock::<0>::LATENCY as usize,
+    };
+    // Not those of a changed contrast and of the mirror, which only derivatives keep within their bounds,
+    // and no golden maps: it is a study's method.
+    all_hold! {
+        INTENSITIES;
+        any_frame_is_answered_within_bounds,
+        any_widest_frame_is_answered_within_bounds,
+        a_shift_of_k_pixels_has_disparity_k,
+        rows_come_out_within_the_latency,
+        a_reused_pipeline_equals_a_fresh_one,
+        lost_rows_come_out_unknown,
+        views_without_texture_are_unknown,
+        an_offset_changes_nothing,
+    }
 }
 
 #[test]

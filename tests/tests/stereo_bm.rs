@@ -1,4 +1,4 @@
-//! The streaming StereoBM against a slow one that follows the definition, and what holds for any frame.
+//! The streaming StereoBM, SSD and NCC against slow ones that follow the definition, and what holds for any frame.
 
 #[path = "stereo_bm/frame.rs"]
 mod frame;
@@ -6,11 +6,11 @@ mod frame;
 mod oracle;
 
 use haarline::{Config, ConfigError, RowError, ScanlinePair, StereoMethod};
-use haarline_tests::{BlockSettings, StereoBm};
+use haarline_tests::{BlockSettings, Ncc, Ssd, StereoBm};
 use proptest::prelude::*;
 
 use frame::{Frame, Map, run, run_with_losses};
-use oracle::Oracle;
+use oracle::{Cost, Oracle};
 
 /// Large enough for every frame here.
 type Bm<const WINDOW: usize> = StereoBm<128, 64, WINDOW>;
@@ -63,10 +63,32 @@ fn settings() -> impl Strategy<Value = BlockSettings> {
 
 fn assert_equals_oracle<const WINDOW: usize>(frame: &Frame, config: Config, settings: BlockSettings) {
     let map = run(&mut fresh::<WINDOW>(config, settings), frame);
-    let expected = Oracle::new(frame, &config, &settings, WINDOW).map();
+    assert_is_the_oracles::<WINDOW>(&map, frame, config, settings, Cost::Absolute);
+}
+
+fn assert_is_the_oracles<const WINDOW: usize>(
+    map: &Map,
+    frame: &Frame,
+    config: Config,
+    settings: BlockSettings,
+    cost: Cost,
+) {
+    let expected = Oracle::new(frame, &config, &settings, WINDOW, cost).map();
     let differing = (0..expected.len()).find(|&at| map.disparity[at] != expected[at]);
     let place = differing.map(|at| (at % frame.width, at / frame.width, map.disparity[at], expected[at]));
-    assert_eq!(place, None, "window {WINDOW}, {config:?}, {settings:?}");
+    assert_eq!(place, None, "{cost:?}, window {WINDOW}, {config:?}, {settings:?}");
+}
+
+/// SSD and NCC of the usual window and of the largest.
+fn assert_ssd_and_ncc_equal_the_oracle(frame: &Frame, config: Config, settings: BlockSettings) {
+    let map = run(&mut Ssd::<128, 64>::new(config, settings).unwrap(), frame);
+    assert_is_the_oracles::<9>(&map, frame, config, settings, Cost::Squared);
+    let map = run(&mut Ssd::<128, 64, 21>::new(config, settings).unwrap(), frame);
+    assert_is_the_oracles::<21>(&map, frame, config, settings, Cost::Squared);
+    let map = run(&mut Ncc::<128, 64>::new(config, settings).unwrap(), frame);
+    assert_is_the_oracles::<9>(&map, frame, config, settings, Cost::Correlation);
+    let map = run(&mut Ncc::<128, 64, 21>::new(config, settings).unwrap(), frame);
+    assert_is_the_oracles::<21>(&map, frame, config, settings, Cost::Correlation);
 }
 
 proptest! {
@@ -79,6 +101,13 @@ proptest! {
         assert_equals_oracle::<9>(&frame, config, settings);
         assert_equals_oracle::<15>(&frame, config, settings);
         assert_equals_oracle::<21>(&frame, config, settings);
+    }
+
+    #[test]
+    fn squared_differences_and_correlations_equal_the_oracle(
+        frame in frames(), (min, count) in ranges(), settings in settings(),
+    ) {
+        assert_ssd_and_ncc_equal_the_oracle(&frame, config(frame.width, min, count), settings);
     }
 
     #[test]
@@ -190,7 +219,9 @@ fn extremes_neither_overflow_nor_panic() {
         }
     }
     let full = Frame::from_fn(64, 50, |x, _| (black_and_white(x / 2), black_and_white(x / 2 + 1)));
-    assert_equals_oracle::<21>(&full, config(64, 0, 9), BlockSettings { prefilter_cap: 63, ..settings });
+    let settings = BlockSettings { prefilter_cap: 63, ..settings };
+    assert_equals_oracle::<21>(&full, config(64, 0, 9), settings);
+    assert_ssd_and_ncc_equal_the_oracle(&full, config(64, 0, 9), settings);
 }
 
 #[test]
@@ -257,4 +288,7 @@ fn an_instance_takes_what_its_documentation_says() {
     let (small, large) = (size_of::<StereoBm<320, 64>>(), size_of::<StereoBm<1280, 256, 15>>());
     assert!((0..512).contains(&(small - by_formula(320, 64, 9))), "{small}");
     assert!((0..1024).contains(&(large - by_formula(1280, 256, 15))), "{large}");
+    let (ssd, ncc) = (size_of::<Ssd<320, 64>>(), size_of::<Ncc<320, 64>>());
+    assert!((0..2048).contains(&(ssd - by_formula(320, 128, 9))), "{ssd}");
+    assert!((0..512).contains(&(ncc - by_formula(320, 128, 9) - 8 * 320 - 12 * 64)), "{ncc}");
 }

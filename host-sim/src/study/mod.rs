@@ -4,8 +4,10 @@
 //! says what it may hold. [`STUDIES`] is the registry of them, [`page`] shows them, [`plot`] draws for them and
 //! [`rendered`] has scenes for those who are given none.
 
+pub mod block;
 pub mod detail;
 pub mod envelope;
+pub mod operations;
 pub mod outcome;
 pub mod page;
 pub mod plot;

@@ -2,6 +2,8 @@
 
 use haarline::Config;
 
+use super::sums::Place;
+
 /// The columns of a search: how a *cost column*, counted from 0, maps to both views.
 ///
 /// Cost column `c` compares column `left_column(c)` of the left view with the `num_disparities`
@@ -48,6 +50,11 @@ impl SearchArea {
             right_offset,
             right_last: width - searched,
         })
+    }
+
+    /// A cost column and what it compares.
+    pub fn place(&self, cost_column: usize) -> Place {
+        Place { column: cost_column, left: self.left_column(cost_column), right: self.right_column(cost_column) }
     }
 
     /// Column of the left view. Inside it, since windows are.

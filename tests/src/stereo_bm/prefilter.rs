@@ -1,5 +1,7 @@
 //! The x-derivative prefilter: what is left of a row when brightness and gain offsets are taken away.
 
+use haarline::count;
+
 /// Computes the capped horizontal Sobel response of a row, shifted to be positive.
 ///
 /// `response[x] = cap + clamp(dx(above) + 2 dx(row) + dx(below), -cap, cap)` with
@@ -12,6 +14,10 @@ pub fn sobel_x(rows: [&[u8]; 3], cap: u8, response: &mut [u8]) {
     let Some(last) = response.len().checked_sub(1) else { return };
     response[0] = cap;
     response[last] = cap;
+    // Three derivatives, their sum, clipped and with its offset.
+    count::subtractions(3 * last.saturating_sub(1));
+    count::additions(3 * last.saturating_sub(1));
+    count::comparisons(2 * last.saturating_sub(1));
     // Every pair of windows is one column of the response: `[x - 1, x, x + 1]` of each row.
     let [above, row, below] = rows.map(|line| line.windows(3));
     let inner = response.iter_mut().skip(1);

@@ -1,54 +1,66 @@
 //! The choice among the costs of one pixel.
 
+use haarline::count;
+
 /// The least cost of a pixel, and the least of the costs that speak against it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Winner {
     /// Position of the least cost; of equal ones the first.
     pub index: usize,
     /// Least cost.
-    cost: u16,
+    cost: u32,
     /// Least cost more than one position away; none where there are no such positions.
-    rival: Option<u16>,
+    rival: Option<u32>,
 }
 
 impl Winner {
     /// Finds the least cost and its rival. `costs` must not be empty.
-    pub fn find(costs: &[u16]) -> Self {
-        let (mut index, mut cost) = (0, u16::MAX);
+    pub fn find<C: Copy + Into<u32>>(costs: &[C]) -> Self {
+        count::comparisons(2 * costs.len());
+        let (mut index, mut cost) = (0, u32::MAX);
         for (candidate, &other) in costs.iter().enumerate() {
+            let other = other.into();
             if other < cost {
                 (index, cost) = (candidate, other);
             }
         }
         let below = &costs[..index.saturating_sub(1)];
         let above = costs.get(index + 2..).unwrap_or(&[]);
-        let rival = below.iter().chain(above).copied().min();
+        let rival = below.iter().chain(above).map(|&other| other.into()).min();
         Self { index, cost, rival }
     }
 
     /// Whether the rival's cost is more than `ratio` percent over the least cost.
     pub fn is_unique(&self, ratio: u8) -> bool {
-        let cost = u32::from(self.cost);
-        self.rival.is_none_or(|rival| u32::from(rival) > cost + cost * u32::from(ratio) / 100)
+        count::multiplications(2);
+        count::additions(1);
+        count::comparisons(1);
+        self.rival.is_none_or(|rival| rival > self.cost + self.cost * u32::from(ratio) / 100)
     }
 
     /// Least cost's distance from its rival, in 255ths of the rival's cost, rounded down: 0 for an
     /// equal rival, 255 for a perfect match without an equal and for a winner without rivals.
     pub fn margin(&self) -> u8 {
         let Some(rival) = self.rival else { return u8::MAX };
-        let lead = u32::from(rival.saturating_sub(self.cost));
-        let margin = (255 * lead).checked_div(u32::from(rival)).unwrap_or(0);
+        count::subtractions(1);
+        count::multiplications(2);
+        let lead = rival.saturating_sub(self.cost);
+        let margin = (255 * lead).checked_div(rival).unwrap_or(0);
         u8::try_from(margin).unwrap_or(u8::MAX)
     }
 
-    /// Where between the positions the cost is least, 1/256 of a position, -128..=128, positive
+    /// Where between the positions the cost, below 2^23, is least, 1/256 of a position, -128..=128, positive
     /// towards position 0 (greater disparity).
     ///
     /// The two lines of equal and opposite slope through the three costs meet there. At both ends
     /// of the search the one neighbour counts for both, which leaves the position as it is.
-    pub fn refine(&self, costs: &[u16]) -> i32 {
+    pub fn refine<C: Copy + Into<u32>>(&self, costs: &[C]) -> i32 {
         let (Some(before), Some(after)) = (self.index.checked_sub(1), costs.get(self.index + 1)) else { return 0 };
-        let (before, after, cost) = (i32::from(costs[before]), i32::from(*after), i32::from(self.cost));
+        count::additions(2);
+        count::subtractions(3);
+        count::comparisons(1);
+        count::multiplications(2);
+        let [before, after, cost] = [costs[before].into(), (*after).into(), self.cost].map(u32::cast_signed);
         let slope = before + after - 2 * cost + (after - before).abs();
         ((after - before) * 256).checked_div(slope).unwrap_or(0)
     }
@@ -60,33 +72,36 @@ mod tests {
 
     #[test]
     fn the_first_of_equal_costs_wins() {
-        assert_eq!(Winner::find(&[5, 3, 9, 3]), Winner { index: 1, cost: 3, rival: Some(3) });
+        assert_eq!(Winner::find(&[5_u16, 3, 9, 3]), Winner { index: 1, cost: 3, rival: Some(3) });
     }
 
     #[test]
     fn neighbours_are_no_rivals() {
-        assert_eq!(Winner::find(&[9, 3, 2, 3, 8]), Winner { index: 2, cost: 2, rival: Some(8) });
-        assert_eq!(Winner::find(&[2, 3]), Winner { index: 0, cost: 2, rival: None });
+        assert_eq!(Winner::find(&[9_u16, 3, 2, 3, 8]), Winner { index: 2, cost: 2, rival: Some(8) });
+        assert_eq!(Winner::find(&[2_u16, 3]), Winner { index: 0, cost: 2, rival: None });
     }
 
     #[test]
     fn the_greatest_possible_cost_still_has_a_winner() {
-        assert_eq!(Winner::find(&[u16::MAX; 4]), Winner { index: 0, cost: u16::MAX, rival: Some(u16::MAX) });
+        assert_eq!(
+            Winner::find(&[u16::MAX; 4]),
+            Winner { index: 0, cost: u16::MAX.into(), rival: Some(u16::MAX.into()) }
+        );
     }
 
     #[test]
     fn a_rival_at_the_ratio_is_no_unique_winner() {
-        let winner = Winner::find(&[100, 200, 115]);
+        let winner = Winner::find(&[100_u16, 200, 115]);
         assert!(!winner.is_unique(15));
         assert!(winner.is_unique(14));
     }
 
     #[test]
     fn margin_spans_equal_to_perfect() {
-        assert_eq!(Winner::find(&[0, 9, 0]).margin(), 0);
-        assert_eq!(Winner::find(&[7, 9, 7]).margin(), 0);
-        assert_eq!(Winner::find(&[50, 90, 100]).margin(), 127);
-        assert_eq!(Winner::find(&[0, 90, 1]).margin(), 255);
+        assert_eq!(Winner::find(&[0_u16, 9, 0]).margin(), 0);
+        assert_eq!(Winner::find(&[7_u16, 9, 7]).margin(), 0);
+        assert_eq!(Winner::find(&[50_u16, 90, 100]).margin(), 127);
+        assert_eq!(Winner::find(&[0_u16, 90, 1]).margin(), 255);
     }
 
     #[test]
@@ -99,8 +114,8 @@ mod tests {
 
     #[test]
     fn the_ends_of_the_search_are_not_refined() {
-        assert_eq!(Winner::find(&[1, 2, 9]).refine(&[1, 2, 9]), 0);
-        assert_eq!(Winner::find(&[9, 2, 1]).refine(&[9, 2, 1]), 0);
-        assert_eq!(Winner::find(&[1]).refine(&[1]), 0);
+        assert_eq!(Winner::find(&[1_u16, 2, 9]).refine(&[1_u16, 2, 9]), 0);
+        assert_eq!(Winner::find(&[9_u16, 2, 1]).refine(&[9_u16, 2, 1]), 0);
+        assert_eq!(Winner::find(&[1_u16]).refine(&[1_u16]), 0);
     }
 }

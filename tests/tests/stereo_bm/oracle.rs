@@ -1,4 +1,4 @@
-//! StereoBM by its definition: the whole frame at once, and every window summed anew.
+//! StereoBM, and the same with other costs, by their definition: the whole frame at once, and every window summed anew.
 #![expect(
     clippy::cast_possible_truncation,
     clippy::cast_possible_wrap,
@@ -11,8 +11,17 @@ use haarline_tests::BlockSettings;
 
 use crate::frame::Frame;
 
+/// What a window costs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Cost {
+    Absolute,
+    Squared,
+    Correlation,
+}
+
 /// The slow method, prepared for one frame. Disparities, places and costs are all `i32`.
 pub struct Oracle {
+    cost: Cost,
     width: i32,
     height: i32,
     min: i32,
@@ -26,10 +35,11 @@ pub struct Oracle {
 }
 
 impl Oracle {
-    pub fn new(frame: &Frame, config: &Config, settings: &BlockSettings, window: usize) -> Self {
+    pub fn new(frame: &Frame, config: &Config, settings: &BlockSettings, window: usize, cost: Cost) -> Self {
         let min = i32::from(config.min_disparity);
         let cap = i32::from(settings.prefilter_cap);
         Self {
+            cost,
             width: frame.width as i32,
             height: frame.height() as i32,
             min,
@@ -81,16 +91,26 @@ impl Oracle {
         self.window(x, y).map(|(u, v)| self.left[(v * self.width + u) as usize].abs()).sum()
     }
 
-    /// Sum of absolute differences. A pixel whose search range leaves the right view at its right
+    /// What the window costs there. A pixel whose search range leaves the right view at its right
     /// edge is compared with the last range that does not.
     fn cost(&self, x: i32, y: i32, disparity: i32) -> i32 {
         let last = self.width - 1 - (self.max - self.min);
-        let difference = |(u, v): (i32, i32)| {
+        let pair = |(u, v): (i32, i32)| {
             let other = (u - self.max).min(last) + self.max - disparity;
             let row = v * self.width;
-            self.left[(row + u) as usize].abs_diff(self.right[(row + other) as usize]) as i32
+            (i64::from(self.left[(row + u) as usize]), i64::from(self.right[(row + other) as usize]))
         };
-        self.window(x, y).map(difference).sum()
+        let sum = |term: fn((i64, i64)) -> i64| self.window(x, y).map(|place| term(pair(place))).sum::<i64>();
+        let cost = match self.cost {
+            Cost::Absolute => sum(|(l, r)| (l - r).abs()),
+            Cost::Squared => sum(|(l, r)| (l - r).pow(2)),
+            Cost::Correlation => {
+                let (product, energies) = (sum(|(l, r)| l * r), sum(|(l, _)| l * l) * sum(|(_, r)| r * r));
+                // Towards zero, in both directions.
+                (1 << 15) - if energies == 0 { 0 } else { ((product * product.abs()) << 15) / energies }
+            }
+        };
+        cost as i32
     }
 
     fn window(&self, x: i32, y: i32) -> impl Iterator<Item = (i32, i32)> {
