@@ -283,10 +283,12 @@ mod tests {
         fn a_parabola_is_found_from_everywhere(vertex in 5i32..95, start in 0i32..=100) {
             let cost = |&[c]: &[i32; 1]| Some(((c - whole(vertex)) >> 10).pow(2));
             let error = whole(1) / 16;
-            let settings = Settings { start: [whole(start)], first_error: error, error, ..hundred() };
-            for method in [Method::Proposed, Method::Long, Method::Hyperbolic] {
+            let settings = Settings { start: [whole(start)], first_error: error, error, limit: 1000, ..hundred() };
+            // The basic methods keep the range of the first start's beginning, so that their steps get short early:
+            // they end within half a support.
+            for (method, off) in [(Method::Proposed, 2), (Method::Long, 5), (Method::Hyperbolic, 5)] {
                 let found = settings.build().unwrap().run(method, cost);
-                prop_assert!((found.at[0] - whole(vertex)).abs() <= whole(2), "{:?} {:?}", method, found);
+                prop_assert!((found.at[0] - whole(vertex)).abs() <= whole(off), "{:?} {:?}", method, found);
             }
         }
     }

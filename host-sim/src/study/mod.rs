@@ -3,7 +3,12 @@
 //! A study is a function from a [`Setup`] to an [`Outcome`], and knows nothing of files; [`outcome`]
 //! says what it may hold.
 
+pub mod alignment;
+pub mod extremum_plots;
+pub mod noise;
 pub mod outcome;
+pub mod scaled;
+pub mod schwefel;
 
 pub use outcome::{Outcome, Part, Plot, Table};
 
