@@ -5,7 +5,7 @@ use crate::boundary::choose_sources;
 use crate::confidence::Merit;
 use crate::cost::{BlockCost, ROWS};
 use crate::count;
-use crate::extremum::{Minimum, descend, search};
+use crate::extremum::{FRAC_BITS, Method, Minimum, Settings, descend};
 use crate::label::{Label, Labels};
 use crate::matcher::{Matcher, Stage};
 use crate::pipeline::Pipeline;
@@ -24,7 +24,7 @@ const FIRST_SUPPORT: u8 = 8;
 /// Most steps of a search, the paper's limit of iterations.
 const LIMIT: u16 = 12;
 /// Most disparities that a block evaluates: the starts, the supports around them and around every step.
-const LABELS: usize = 32;
+const LABELS: usize = 64;
 
 /// StereoBM's steps, blocks, comparison and disparity, but for the exhaustive search: the paper's
 /// wavelet-modified block matching (section 5).
@@ -35,7 +35,7 @@ const LABELS: usize = 32;
 /// search](crate::extremum) goes on with a long support, then with short ones, and the better of its
 /// end and the start's nearest minimum is taken.
 ///
-/// At most 32 costs a block, whatever the range; see [`Reading`] for what is compared.
+/// At most 64 costs a block, whatever the range; see [`Reading`] for what is compared.
 ///
 /// # Examples
 /// ```
@@ -101,7 +101,9 @@ fn match_block<const BLOCKS: usize>(
     let start = best_start(stage, cost, index, decided, &mut labels)?;
     let found = if stage.parts.extremum {
         let price = |end: &Minimum| end.cost + decided.penalty(end.at, BIAS);
-        find_extremum(start, price, |disparity| labels.cost_or(disparity, || cost.of(index, disparity)))?
+        let first = i32::from(stage.config.min_disparity);
+        let domain = [first, first + i32::from(stage.config.num_disparities) - 1];
+        find_extremum(start, price, domain, |disparity| labels.cost_or(disparity, || cost.of(index, disparity)))?
     } else {
         Minimum { at: start.disparity, cost: start.cost, before: None, after: None }
     };
@@ -117,20 +119,43 @@ fn match_block<const BLOCKS: usize>(
 fn find_extremum(
     start: Label,
     price: impl Fn(&Minimum) -> i32,
+    domain: [i32; 2],
     mut cost: impl FnMut(i32) -> Option<i32>,
 ) -> Option<Minimum> {
     let mut costs = |disparity| {
-        // Its part of a direction, and the comparison of its sign or height.
-        count::additions(1);
-        count::comparisons(1);
+        // Its part of a direction and of a height, and the comparisons with the range's ends.
+        count::additions(2);
+        count::comparisons(2);
         cost(disparity)
     };
     let nearest = descend(start.disparity, start.cost, 1, &mut costs);
     if is_registered(&nearest) {
         return Some(nearest);
     }
-    let farther = search(start.disparity, FIRST_SUPPORT, LIMIT, costs)?;
+    let Some(farther) = search(start.disparity, domain, &mut costs) else { return Some(nearest) };
     Some(if price(&farther) < price(&nearest) { farther } else { nearest })
+}
+
+/// The proposed search from `start` over the whole disparities of `domain`; `None` if that is shorter than
+/// the first support.
+fn search(start: i32, domain: [i32; 2], mut costs: impl FnMut(i32) -> Option<i32>) -> Option<Minimum> {
+    let whole = |disparity: i32| disparity << FRAC_BITS;
+    let nearest = |coordinate: i32| (coordinate + whole(1) / 2) >> FRAC_BITS;
+    let settings = Settings {
+        start: [whole(start)],
+        first_support: FIRST_SUPPORT,
+        support_increment: 0,
+        least_height: LEAST_HEIGHT,
+        limit: LIMIT,
+        ..Settings::new([whole(domain[0])], [whole(domain[1])])
+    };
+    let found = settings.build().ok()?.run(Method::Proposed, |&[coordinate]| costs(nearest(coordinate)));
+    // A step and the zero of a direction take that many each.
+    count::multiplications(4 * usize::from(found.iterations));
+    count::subtractions(3 * usize::from(found.iterations));
+    let at = nearest(found.at[0]);
+    let here = costs(at)?;
+    Some(descend(at, here, 1, costs))
 }
 
 /// Where the search begins.
@@ -163,6 +188,7 @@ mod tests {
         let found = find_extremum(
             start,
             |end| end.cost,
+            [0, 63],
             |disparity| {
                 asked += 1;
                 (0..64).contains(&disparity).then(|| cost(disparity))
@@ -210,6 +236,7 @@ mod tests {
                 find_extremum(
                     begin,
                     |end| end.cost,
+                    [0, 63],
                     |disparity| {
                         let known = seen.get_mut(usize::try_from(disparity).ok()?)?;
                         *known = true;

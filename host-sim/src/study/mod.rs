@@ -4,14 +4,19 @@
 //! says what it may hold. [`STUDIES`] is the registry of them, [`page`] shows them, [`plot`] draws for them and
 //! [`rendered`] has scenes for those who are given none.
 
+pub mod alignment;
 pub mod block;
 pub mod detail;
 pub mod envelope;
+pub mod extremum_plots;
+pub mod noise;
 pub mod operations;
 pub mod outcome;
 pub mod page;
 pub mod plot;
 pub mod rendered;
+pub mod scaled;
+pub mod schwefel;
 
 pub use outcome::{Outcome, Part, Plot, Table};
 
@@ -28,6 +33,14 @@ pub const STUDIES: &[Study] = &[
         run: envelope::run,
     },
     Study { name: "detail", about: "Fig. 2: what a longer Haar support leaves of fine structures", run: detail::run },
+    Study { name: "noise", about: "Fig. 4: the extremum search against noise, and what it takes", run: noise::run },
+    Study { name: "schwefel", about: "The global minimum from random starts", run: schwefel::run },
+    Study { name: "alignment", about: "Two views aligned by the search in two dimensions", run: alignment::run },
+    Study {
+        name: "block",
+        about: "Table 1: block matching against its wavelet-modified form and the other methods",
+        run: block::run,
+    },
 ];
 
 /// A study by its name.

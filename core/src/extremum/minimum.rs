@@ -1,14 +1,4 @@
-//! The Haar extremum search: how a disparity walks to the minimum of its cost.
-//!
-//! Choosing the best out of a list of candidates (hypotheses, labels, contours) is a comparison and done
-//! where the list is; looking for a minimum along a cost is done here.
-//!
-//! The paper's method (section 4, eq. 5 to 9) in one dimension and whole steps. The direction is a
-//! Haar wavelet over the cost itself: the sum of the costs after the present point minus the sum of
-//! those before it, so that noise averages out over the support. The search goes against it until its
-//! sign changes; the last two points bracket the extremum, and a new start with a support that fits
-//! the bracket refines it. With its shortest support of two samples this is the walk that ends each
-//! block's search ([`descend`]); the methods need no more, [`search`] is the whole of it.
+//! A minimum over whole steps: the walk with the shortest support, and the parabola at its end.
 
 /// A minimum of a cost over whole steps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -46,13 +36,6 @@ pub const fn parabola(before: i32, middle: i32, after: i32) -> i32 {
     if curvature <= 0 { 0 } else { (before - after) * 8 / curvature }
 }
 
-/// Direction of the search, `G` of the paper's eq. 8 without its constant factor: the costs of the
-/// `support / 2` steps after `at` minus those of as many before it. Steps out of range (`None`) are
-/// left out together with their mirror images.
-pub fn direction(at: i32, support: u8, cost: &mut impl FnMut(i32) -> Option<i32>) -> i32 {
-    (1..=i32::from(support / 2)).filter_map(|i| Some(cost(at + i)? - cost(at - i)?)).sum()
-}
-
 /// Walks from `start` to a minimum of `cost` with the shortest support, two samples, at most `steps`
 /// steps far.
 ///
@@ -82,31 +65,6 @@ pub fn descend(start: i32, start_cost: i32, steps: u8, mut cost: impl FnMut(i32)
     Minimum { at, cost: here, before: None, after: None }
 }
 
-/// Looks for the minimum of `cost` from `start` with a long support first, then with a short one.
-///
-/// The first start walks against [`direction`] over `first_support` samples until its sign changes or
-/// the range ends. The second one, with the longest support out of 6, 4 and 2 that is no longer than
-/// the first, continues from there; the walk of [`descend`] ends it. At most `limit` steps in all.
-///
-/// Returns `None` if the cost has no value at `start`.
-pub fn search(start: i32, first_support: u8, limit: u16, mut cost: impl FnMut(i32) -> Option<i32>) -> Option<Minimum> {
-    cost(start)?;
-    let (mut at, mut left) = (start, limit);
-    for support in [first_support, first_support.min(6)] {
-        let mut last = 0;
-        while left > 0 {
-            let sign = direction(at, support, &mut cost).signum();
-            // Zero or a changed sign: the last two points bracket the extremum.
-            if sign == 0 || sign == -last || cost(at - sign).is_none() {
-                break;
-            }
-            (at, last, left) = (at - sign, sign, left - 1);
-        }
-    }
-    let here = cost(at)?;
-    Some(descend(at, here, u8::try_from(left).unwrap_or(u8::MAX), cost))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -122,21 +80,10 @@ mod tests {
     }
 
     #[test]
-    fn a_long_support_passes_over_a_ripple_that_stops_a_short_one() {
-        // A valley at 40 with a ripple of period 3 on its slopes.
-        let cost = |c: i32| (0..80).contains(&c).then_some((c - 40).abs() * 4 + if c % 3 == 0 { 12 } else { 0 });
-        let short = descend(10, cost(10).unwrap(), 200, cost).at;
-        let long = search(10, 12, 200, cost).unwrap().at;
-        assert!(short < 20, "{short}");
-        assert!((39..=41).contains(&long), "{long}");
-    }
-
-    #[test]
-    fn a_plateau_and_a_single_point_end_the_search() {
-        assert_eq!(search(5, 8, 100, |_| Some(7)).unwrap().at, 5);
-        let alone = search(5, 8, 100, |c| (c == 5).then_some(7)).unwrap();
+    fn a_plateau_and_a_single_point_end_the_walk() {
+        assert_eq!(descend(5, 7, 9, |_| Some(7)).at, 5);
+        let alone = descend(5, 7, 9, |c| (c == 5).then_some(7));
         assert_eq!(alone, Minimum { at: 5, cost: 7, before: None, after: None });
-        assert_eq!(search(5, 8, 100, |_| None), None);
     }
 
     proptest! {
