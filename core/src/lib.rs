@@ -27,8 +27,10 @@
 
 pub mod config;
 pub mod contour;
+pub mod contour_stereo;
 pub mod count;
 pub mod disparity;
+pub mod envelope;
 pub mod error;
 pub mod extremum;
 pub mod fill;
@@ -38,6 +40,7 @@ pub mod lite;
 pub mod parts;
 pub mod pipeline;
 pub mod rig;
+pub mod scales;
 pub mod scanline;
 pub mod stereo;
 
@@ -48,17 +51,23 @@ mod consistency;
 mod cost;
 mod exposure;
 mod label;
+mod linkage;
 mod matcher;
 mod noise;
+mod pairing;
 mod path;
 mod ring;
 mod search;
 mod seed;
+mod sparse;
 mod texture;
 mod view;
 
 pub use config::Config;
+pub use contour_stereo::{ContourSettings, ContourStereo};
+
 pub use disparity::{Disparity, DisparityRow};
+pub use envelope::{EnvelopeSettings, EnvelopeStereo};
 pub use error::{ConfigError, RowError};
 pub use fill::fill_holes;
 pub use full::Full;
@@ -66,5 +75,6 @@ pub use lite::Lite;
 pub use parts::Parts;
 pub use pipeline::blocks_for;
 pub use rig::{Depth, Rig};
+pub use scales::Scales;
 pub use scanline::ScanlinePair;
 pub use stereo::StereoMethod;

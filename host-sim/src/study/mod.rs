@@ -4,8 +4,10 @@
 //! says what it may hold.
 
 pub mod outcome;
+pub mod same_points;
 
 pub use outcome::{Outcome, Part, Plot, Table};
+pub use same_points::{PointScore, SamePoints};
 
 use indicatif::ProgressBar;
 
