@@ -5,7 +5,7 @@ use crate::contour::{Contour, ContourLine};
 use crate::cost::{energy, sad};
 use crate::count;
 use crate::extremum::descend;
-use crate::linkage::Answers;
+use crate::linkage::{Answers, Links};
 use crate::pairing::{Choice, Pairing};
 use crate::ring::MARGIN;
 use crate::scales::Scales;
@@ -26,6 +26,8 @@ const SUMMED: i32 = 4;
 const UNIQUENESS: u32 = 20;
 /// Mismatch beyond which the pixels of a side are another surface's or hidden, percent.
 const MOST_MISMATCH: u8 = 40;
+/// Links of a point on a contour.
+const LINKS: Links = Links { least: 13, share: 9 };
 /// Steps of the walk from the distance of two contours to the least cost.
 const STEPS: u8 = 1;
 
@@ -143,8 +145,8 @@ impl<const ROWS: usize, const BLOCKS: usize> Points<ROWS, BLOCKS> for ContourPoi
         true
     }
 
-    fn linked_only(&self) -> bool {
-        self.settings.linked_only
+    fn links(&self) -> Option<Links> {
+        self.settings.linked_only.then_some(LINKS)
     }
 
     fn measure(&mut self, row: &SparseRow<'_, ROWS, BLOCKS>, answers: &mut Answers<BLOCKS>) {

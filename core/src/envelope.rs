@@ -4,7 +4,7 @@ use crate::confidence::Merit;
 use crate::count;
 use crate::extremum::{Minimum, parabola};
 use crate::haar::sum_121;
-use crate::linkage::Answers;
+use crate::linkage::{Answers, Links};
 use crate::ring::MARGIN;
 use crate::sparse::{Points, Sparse, SparseRow, SparseView};
 use crate::{Config, ConfigError};
@@ -15,6 +15,8 @@ const MAX_WIDTH: usize = 9;
 const ROWS: usize = MAX_WIDTH;
 /// Rows of that template above its middle.
 const MIDDLE: i64 = 4;
+/// Links of an envelope, which few others support: single envelopes are wrong half of the time.
+const LINKS: Links = Links { least: 13, share: 6 };
 /// Least step between neighbours that counts as one, in 1/4 grey level.
 const LEAST_STEP: i16 = 4;
 
@@ -126,8 +128,8 @@ impl<const BLOCKS: usize> Points<ROWS, BLOCKS> for EnvelopePoints<BLOCKS> {
         false
     }
 
-    fn linked_only(&self) -> bool {
-        self.settings.linked_only
+    fn links(&self) -> Option<Links> {
+        self.settings.linked_only.then_some(LINKS)
     }
 
     fn measure(&mut self, row: &SparseRow<'_, ROWS, BLOCKS>, answers: &mut Answers<BLOCKS>) {

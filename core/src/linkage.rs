@@ -15,10 +15,15 @@ const ROWS: usize = 2 * LINK_REACH + 1;
 const COLUMNS: usize = 6;
 /// Points within one px have the same disparity, 1/16 px.
 const TOLERANCE: u16 = 16;
-/// Points of the same disparity, the point itself among them, that it takes to be linked.
-const LEAST_LINKS: u16 = 13;
-/// Of ten points around, so many must have the same disparity.
-const LEAST_SHARE: u16 = 9;
+
+/// What a point needs to be linked.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Links {
+    /// Least number of points of its disparity, the point itself among them.
+    pub(crate) least: u16,
+    /// Of ten points around, so many must have its disparity.
+    pub(crate) share: u16,
+}
 
 /// What was measured in a row.
 #[derive(Debug, Clone)]
@@ -83,17 +88,15 @@ impl<const BLOCKS: usize> AnswerRing<BLOCKS> {
         row
     }
 
-    /// Copies the row in the middle to `out`: all of its points, or the linked ones only.
-    pub(crate) fn answer(&self, width: usize, linked_only: bool, out: &mut Answers<BLOCKS>) {
+    /// Copies the row in the middle to `out`: all of its points, or only those with the `links` they need.
+    pub(crate) fn answer(&self, width: usize, links: Option<Links>, out: &mut Answers<BLOCKS>) {
         let middle = &self.rows[(self.pushed + LINK_REACH) % ROWS];
         out.clone_from(middle);
-        if !linked_only {
-            return;
-        }
+        let Some(links) = links else { return };
         let pixels = out.disparity.as_flattened_mut().iter_mut().zip(out.confidence.as_flattened_mut());
         for (x, (disparity, confidence)) in pixels.enumerate().take(width) {
             if let Some(bits) = disparity.known()
-                && !self.is_linked(x, bits)
+                && !self.is_linked(x, bits, links)
             {
                 (*disparity, *confidence) = (Disparity::UNKNOWN, 0);
             }
@@ -101,7 +104,7 @@ impl<const BLOCKS: usize> AnswerRing<BLOCKS> {
     }
 
     /// Whether the points around a column of the row in the middle have its disparity, 1/16 px.
-    fn is_linked(&self, x: usize, bits: i16) -> bool {
+    fn is_linked(&self, x: usize, bits: i16, links: Links) -> bool {
         let columns = x.saturating_sub(COLUMNS)..x + COLUMNS + 1;
         let (mut same, mut all) = (0, 0);
         for row in &self.rows {
@@ -116,7 +119,7 @@ impl<const BLOCKS: usize> AnswerRing<BLOCKS> {
         count::subtractions(usize::from(all));
         count::additions(2 * usize::from(all));
         count::comparisons(ROWS * (2 * COLUMNS + 1) + 2 * usize::from(all) + 2);
-        same >= LEAST_LINKS && 10 * same >= LEAST_SHARE * all
+        same >= links.least && 10 * same >= links.share * all
     }
 }
 
@@ -137,7 +140,7 @@ mod tests {
             }
         }
         let mut out = Answers::UNKNOWN;
-        ring.answer(32, linked_only, &mut out);
+        ring.answer(32, linked_only.then_some(Links { least: 13, share: 9 }), &mut out);
         [9, 17, 20].map(|x| out.disparity.as_flattened()[x].known())
     }
 

@@ -3,7 +3,7 @@
 
 use crate::count;
 use crate::exposure::Exposure;
-use crate::linkage::{AnswerRing, Answers, LINK_REACH};
+use crate::linkage::{AnswerRing, Answers, LINK_REACH, Links};
 use crate::noise::{Noise, SmoothingLevel};
 use crate::pipeline::blocks_for;
 use crate::view::{SMOOTH_LAG, View};
@@ -32,8 +32,8 @@ pub trait Points<const ROWS: usize, const BLOCKS: usize> {
     /// Whether feature rows are wanted.
     fn uses_features(&self) -> bool;
 
-    /// Whether points that are not linked to those around them are left out.
-    fn linked_only(&self) -> bool;
+    /// The links without which a point is left out.
+    fn links(&self) -> Option<Links>;
 
     /// Measures the points of the row.
     fn measure(&mut self, row: &SparseRow<'_, ROWS, BLOCKS>, answers: &mut Answers<BLOCKS>);
@@ -149,7 +149,7 @@ impl<M: Points<ROWS, BLOCKS>, const ROWS: usize, const BLOCKS: usize> Sparse<M, 
     /// Delivers the next row.
     fn answer(&mut self, sink: &mut dyn FnMut(DisparityRow<'_>)) {
         let width = usize::from(self.config.width);
-        self.answers.answer(width, self.points.linked_only(), &mut self.out);
+        self.answers.answer(width, self.points.links(), &mut self.out);
         let disparity = self.out.disparity.as_flattened().get(..width).unwrap_or(&[]);
         let confidence = self.out.confidence.as_flattened().get(..width).unwrap_or(&[]);
         sink(DisparityRow { y: self.answered, disparity, confidence });

@@ -5,7 +5,10 @@ use std::thread::{self, ScopedJoinHandle};
 
 use anyhow::{Result, bail};
 use clap::ValueEnum;
-use haarline::{Config, ConfigError, Full, Lite, StereoMethod, blocks_for};
+use haarline::contour_stereo::rows_for;
+use haarline::{
+    Config, ConfigError, ContourSettings, ContourStereo, EnvelopeStereo, Full, Lite, Scales, StereoMethod, blocks_for,
+};
 use haarline_tests::{BlockSettings, StereoBm};
 
 /// Columns that every method here has room for.
@@ -14,6 +17,8 @@ const MAX_WIDTH: usize = Config::MAX_WIDTH as usize;
 const BUILD_STACK_BYTES: usize = 64 << 20;
 /// Disparities that every method here has room for.
 const MAX_DISPARITIES: usize = Config::MAX_DISPARITIES as usize;
+/// Smoothed rows for contours of every scale.
+const CONTOUR_ROWS: usize = rows_for(Scales::MAX_HALF_SUPPORT);
 
 /// A stereo method, by its name on the command line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -24,6 +29,42 @@ pub enum MethodKind {
     Lite,
     /// Block matching as in OpenCV's StereoBM, for reference
     Block,
+    /// Contours of both views matched: sparse, answers beside contours only
+    Contour,
+    /// Peaks, troughs and slopes of grey levels matched: sparse, what the paper puts in the place of blocks
+    Envelope,
+}
+
+/// A method and its settings.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Method {
+    /// Which one.
+    pub kind: MethodKind,
+    /// Which contours [`MethodKind::Contour`] looks for.
+    pub contours: ContourSettings,
+}
+
+impl From<MethodKind> for Method {
+    /// The method as it is meant to be used.
+    fn from(kind: MethodKind) -> Self {
+        Self { kind, contours: ContourSettings::DEFAULT }
+    }
+}
+
+impl Method {
+    /// The name on the command line and in reports.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        self.kind.name()
+    }
+
+    /// An instance for rows of up to [`Config::MAX_WIDTH`] px.
+    ///
+    /// # Errors
+    /// If the configuration or a setting is refused.
+    pub fn build(self, config: Config) -> Result<Box<dyn StereoMethod + Send>, ConfigError> {
+        on_large_stack(|| self.kind.build_here(config, self.contours))
+    }
 }
 
 impl MethodKind {
@@ -37,6 +78,8 @@ impl MethodKind {
             Self::Full => "full",
             Self::Lite => "lite",
             Self::Block => "block",
+            Self::Contour => "contour",
+            Self::Envelope => "envelope",
         }
     }
 
@@ -45,10 +88,14 @@ impl MethodKind {
     /// # Errors
     /// If the configuration is refused.
     pub fn build(self, config: Config) -> Result<Box<dyn StereoMethod + Send>, ConfigError> {
-        on_large_stack(|| self.build_here(config))
+        Method::from(self).build(config)
     }
 
-    fn build_here(self, config: Config) -> Result<Box<dyn StereoMethod + Send>, ConfigError> {
+    fn build_here(
+        self,
+        config: Config,
+        contours: ContourSettings,
+    ) -> Result<Box<dyn StereoMethod + Send>, ConfigError> {
         Ok(match self {
             Self::Full => Box::new(Full::<{ blocks_for(Config::MAX_WIDTH) }>::new(config)?),
             Self::Lite => Box::new(Lite::<{ blocks_for(Config::MAX_WIDTH) }>::new(config)?),
@@ -57,6 +104,11 @@ impl MethodKind {
                 Box::new(StereoBm::<320, MAX_DISPARITIES>::new(config, BlockSettings::default())?)
             }
             Self::Block => Box::new(StereoBm::<MAX_WIDTH, MAX_DISPARITIES>::new(config, BlockSettings::default())?),
+            Self::Contour => {
+                type Contours = ContourStereo<{ blocks_for(Config::MAX_WIDTH) }, CONTOUR_ROWS>;
+                Box::new(Contours::with_settings(config, contours)?)
+            }
+            Self::Envelope => Box::new(EnvelopeStereo::<{ blocks_for(Config::MAX_WIDTH) }>::new(config)?),
         })
     }
 }

@@ -1,6 +1,7 @@
 //! The commands of the tool, and what they share: how they end and how they print.
 
 mod ablate;
+mod contours;
 mod demo;
 mod depth;
 mod eval;
@@ -39,6 +40,8 @@ enum Command {
     Play(play::Args),
     /// Scores the method full without one of its parts each: what every part brings
     Ablate(ablate::Args),
+    /// The contours of an image as a picture, as the methods look for them
+    Contours(contours::Args),
 }
 
 /// How a command ends when it does not succeed.
@@ -99,6 +102,7 @@ impl Cli {
             Command::Demo(args) => args.run()?,
             Command::Play(args) => args.run()?,
             Command::Ablate(args) => args.run()?,
+            Command::Contours(args) => args.run()?,
         }
         Ok(())
     }
@@ -107,7 +111,8 @@ impl Cli {
 /// clap's message in one line, without the usage.
 fn condense(error: &error::Error) -> String {
     if error.kind() == error::ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
-        return "a command is missing: depth, eval, demo, play or ablate; haarline --help tells more".to_owned();
+        return "a command is missing: depth, eval, demo, play, ablate or contours; haarline --help tells more"
+            .to_owned();
     }
     let text = error.to_string();
     let lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
