@@ -101,7 +101,7 @@ const LEAST_BELOW: usize = FEATURE_ROWS / 2 + 1;
 /// ```
 /// use haarline::{Config, ContourStereo, ScanlinePair, StereoMethod, blocks_for};
 /// let mut contour = ContourStereo::<{ blocks_for(320) }>::new(Config::for_width(320))?;
-/// assert!(size_of_val(&contour) <= 16 * 1024);
+/// assert!(size_of_val(&contour) <= 20 * 1024);
 /// let (left, right) = ([0; 320], [0; 320]); // from the cameras
 /// contour.push(ScanlinePair { left: &left, right: &right }, &mut |_| ()).unwrap();
 /// # Ok::<(), haarline::ConfigError>(())
