@@ -2,7 +2,7 @@
 
 use crate::confidence::Merit;
 use crate::contour::{Contour, ContourLine};
-use crate::cost::{energy, sad};
+use crate::cost::sad;
 use crate::count;
 use crate::extremum::descend;
 use crate::linkage::{Answers, Links};
@@ -10,24 +10,17 @@ use crate::pairing::{Choice, Pairing};
 use crate::ring::MARGIN;
 use crate::scales::Scales;
 use crate::sparse::{FEATURE_REACH, FEATURE_ROWS, Points, Sparse, SparseRow, SparseView};
-use crate::texture::mismatch;
 use crate::view::sum_rows;
 use crate::{Config, ConfigError};
 
-/// Columns of the window on either side of a contour.
-const SIDE: usize = 4;
-/// The same for arithmetic with columns.
-const SIDE_PX: i32 = SIDE as i32;
-/// Pixels of that half of the window.
-const SIDE_PIXELS: usize = SIDE * FEATURE_ROWS;
+/// Columns of the window that compares two contours, half of them on either side.
+const WINDOW: usize = 2 * MARGIN;
 /// Smoothed rows summed for the upright contours of a row, from the one above it on.
 const SUMMED: i32 = 4;
 /// Percent of the least cost by which the second least must exceed it.
 const UNIQUENESS: u32 = 20;
-/// Mismatch beyond which the pixels of a side are another surface's or hidden, percent.
-const MOST_MISMATCH: u8 = 40;
 /// Links of a point on a contour.
-const LINKS: Links = Links { least: 13, share: 9 };
+const LINKS: Links = Links { least: 7, share: 9 };
 /// Steps of the walk from the distance of two contours to the least cost.
 const STEPS: u8 = 1;
 
@@ -91,8 +84,7 @@ const LEAST_BELOW: usize = FEATURE_ROWS / 2 + 1;
 /// In each row the extrema of the Haar response along the row, and those along the columns, are the
 /// contours, with polarity. A left contour takes the right one of the least cost in a small window around
 /// both, if it stands out and if the two choose each other; their distance, refined by the cost, is the
-/// disparity. It is the answer of the pixel on either side of the contour whose half of the window fits.
-/// Points that those around them do not support are left out. All else is unknown.
+/// disparity of the pixels on either side of the contour. Points that those around them do not support are left out. All else is unknown.
 ///
 /// `BLOCKS` is the capacity: [`blocks_for`](crate::blocks_for) the widest row; `ROWS` is
 /// [`rows_for`] the greatest half-support along the columns.
@@ -101,7 +93,7 @@ const LEAST_BELOW: usize = FEATURE_ROWS / 2 + 1;
 /// ```
 /// use haarline::{Config, ContourStereo, ScanlinePair, StereoMethod, blocks_for};
 /// let mut contour = ContourStereo::<{ blocks_for(320) }>::new(Config::for_width(320))?;
-/// assert!(size_of_val(&contour) <= 20 * 1024);
+/// assert!(size_of_val(&contour) <= 16 * 1024);
 /// let (left, right) = ([0; 320], [0; 320]); // from the cameras
 /// contour.push(ScanlinePair { left: &left, right: &right }, &mut |_| ()).unwrap();
 /// # Ok::<(), haarline::ConfigError>(())
@@ -257,36 +249,15 @@ impl<'a> ContourCost<'a> {
         Self { config: row.config, left, right }
     }
 
-    /// First columns in both views, margins counted, of the window from `x` on.
-    fn columns(x: i32, disparity: i32) -> Option<(usize, usize)> {
-        let left = x + i32::from(MARGIN_U8);
-        Some((usize::try_from(left).ok()?, usize::try_from(left - disparity).ok()?))
-    }
-
-    /// SAD of one side: [`SIDE`] columns from `x` on.
-    fn side(&self, x: i32, disparity: i32) -> Option<i32> {
-        let (left, right) = Self::columns(x, disparity)?;
-        count::additions(SIDE_PIXELS);
-        count::subtractions(SIDE_PIXELS);
-        count::comparisons(SIDE_PIXELS);
-        sad::<SIDE>(&self.left, &self.right, left, right)
-    }
-
-    /// What it costs that the contour at column `x` has that disparity, `0..=3472`.
+    /// What it costs that the contour at column `x` has that disparity, `0..=1488`: the SAD of the windows.
     fn of(&self, x: i32, disparity: i32) -> Option<i32> {
+        // With the margin of as many columns, the window's first column is the contour's.
+        let (left, right) = (usize::try_from(x).ok()?, usize::try_from(x - disparity).ok()?);
         count::evaluations(1);
-        Some(self.side(x - SIDE_PX, disparity)? + self.side(x, disparity)?)
-    }
-
-    /// How badly one side fits, percent.
-    fn mismatch(&self, x: i32, disparity: i32) -> Option<u8> {
-        let (left, right) = Self::columns(x, disparity)?;
-        count::additions(2 * SIDE_PIXELS);
-        count::subtractions(2 * SIDE_PIXELS);
-        count::comparisons(2 * SIDE_PIXELS);
-        count::multiplications(2);
-        let energy = energy::<SIDE>(&self.left, left)? + energy::<SIDE>(&self.right, right)?;
-        Some(mismatch(self.side(x, disparity)?, energy, i32::try_from(SIDE_PIXELS).ok()?))
+        count::additions(WINDOW * FEATURE_ROWS);
+        count::subtractions(WINDOW * FEATURE_ROWS);
+        count::comparisons(WINDOW * FEATURE_ROWS);
+        sad::<WINDOW>(&self.left, &self.right, left, right)
     }
 
     /// Refines the disparity of the contour at column `x` and answers the pixel on either side of it.
@@ -301,12 +272,11 @@ impl<'a> ContourCost<'a> {
         let minimum = descend(disparity, i32::from(choice.cost), steps, |d| self.of(x, d));
         let bits = 16 * minimum.at + minimum.refine_subpixel();
         let margin = (choice.second != u16::MAX).then(|| i32::from(choice.second) - minimum.cost);
-        let merit = Merit::new(minimum.cost, margin);
+        // Merits are made for 48 pixels; here are 24.
+        let merit = Merit::new(2 * minimum.cost, margin.map(|margin| 2 * margin));
         // The edge lies before its column.
-        for (pixel, side) in [(x - 1, x - SIDE_PX), (x, x)] {
-            if self.mismatch(side, minimum.at).is_some_and(|percent| percent <= MOST_MISMATCH) {
-                answers.add(self.config, pixel, bits, merit);
-            }
+        for pixel in [x - 1, x] {
+            answers.add(self.config, pixel, bits, merit);
         }
     }
 }

@@ -33,7 +33,7 @@ pub(crate) fn sad<const WIDTH: usize>(
 
 /// Sum of the features' magnitudes in a window: its texture.
 #[inline]
-pub(crate) fn energy<const WIDTH: usize>(rows: &[&[u8]], column: usize) -> Option<i32> {
+fn energy<const WIDTH: usize>(rows: &[&[u8]], column: usize) -> Option<i32> {
     let mut sum = 0;
     for row in rows {
         let row = row.get(column..)?.first_chunk::<WIDTH>()?;

@@ -16,7 +16,7 @@ const ROWS: usize = MAX_WIDTH;
 /// Rows of that template above its middle.
 const MIDDLE: i64 = 4;
 /// Links of an envelope, which few others support: single envelopes are wrong half of the time.
-const LINKS: Links = Links { least: 13, share: 6 };
+const LINKS: Links = Links { least: 7, share: 6 };
 /// Least step between neighbours that counts as one, in 1/4 grey level.
 const LEAST_STEP: i16 = 4;
 

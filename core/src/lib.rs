@@ -29,6 +29,7 @@ pub mod config;
 pub mod contour;
 pub mod contour_stereo;
 pub mod count;
+pub mod curvature;
 pub mod disparity;
 pub mod envelope;
 pub mod error;

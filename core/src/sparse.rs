@@ -10,7 +10,7 @@ use crate::view::{SMOOTH_LAG, View};
 use crate::{Config, ConfigError, DisparityRow, RowError, ScanlinePair, StereoMethod};
 
 /// Feature rows above and below a row that its answer may look at.
-pub(crate) const FEATURE_REACH: u32 = 3;
+pub(crate) const FEATURE_REACH: u32 = 1;
 /// Feature rows that are kept.
 pub(crate) const FEATURE_ROWS: usize = 2 * FEATURE_REACH as usize + 1;
 /// Rows by which the first answer lags behind the camera at least: smoothing, the features' third row and

@@ -216,6 +216,7 @@ pub fn encode_csv(reports: &[FrameReport]) -> Result<Vec<u8>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::MethodKind;
     use crate::output::encode_grey_png;
     use crate::recording::{Layout, Side, find_frames};
     use std::fs;

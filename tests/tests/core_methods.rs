@@ -64,7 +64,7 @@ mod full {
 mod contour {
     use super::*;
 
-    const CONTOUR: Subject = subject!("contour", ContourStereo, 8);
+    const CONTOUR: Subject = subject!("contour", ContourStereo, 6);
     all_sparse_hold!(CONTOUR);
 }
 
@@ -82,7 +82,7 @@ fn the_state_for_320_px_is_within_its_bounds() {
     assert!(full <= 24 * 1024, "full: {full} bytes");
     let contour = size_of::<ContourStereo<{ blocks_for(320) }>>();
     let envelope = size_of::<EnvelopeStereo<{ blocks_for(320) }>>();
-    assert!(contour <= 20 * 1024, "contour: {contour} bytes");
+    assert!(contour <= 16 * 1024, "contour: {contour} bytes");
     assert!(envelope <= 20 * 1024, "envelope: {envelope} bytes");
 }
 

@@ -76,9 +76,9 @@ pub fn a_scene_upside_down_keeps_most_answers(subject: &Subject) {
     upside_down_keeps(subject, 50);
 }
 
-/// In a mirror a fifth of the answers stay, as those of the right view: in strong noise envelopes are few.
+/// In a mirror 15 percent of the answers stay, as those of the right view: in strong noise envelopes are few.
 pub fn the_mirrored_frame_keeps_answers(subject: &Subject) {
-    the_mirror_keeps(subject, 20);
+    the_mirror_keeps(subject, 15);
 }
 
 /// Makes a test of each property that sparse methods have, for one subject.
