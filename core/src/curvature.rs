@@ -30,7 +30,7 @@ pub struct CurvaturePoint {
 /// ```
 /// use haarline::contour::Contour;
 /// use haarline::curvature::curvature;
-/// let at = |column| [Contour { column: 16 * column, response: 90 }];
+/// let at = |column: i16| [Contour { column: 16 * column, response: 90 }];
 /// let bends = |above, row, below| curvature(&at(above), &at(row), &at(below), 16).map(|p| p.bend).next();
 /// assert_eq!(bends(10, 11, 12), None); // a slanted line is straight
 /// assert_eq!(bends(12, 10, 12), Some(4 * 16));
