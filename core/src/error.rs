@@ -24,6 +24,24 @@ pub enum ConfigError {
     DisparitiesOverWidth,
     /// `min_disparity` must be -128 to 128 px.
     MinDisparity,
+    /// A half-support must be 1 to 16 px.
+    HalfSupport,
+    /// No scale is given, of neither direction.
+    NoScale,
+    /// A wavelet of that half-support is longer than the row.
+    SupportOverWidth {
+        /// The half-support, px.
+        half_support: u8,
+    },
+    /// A wavelet along the columns of that half-support needs more rows than the method was built for.
+    SupportCapacity {
+        /// Greatest half-support along the columns that this instance has rows for; 0 is none.
+        max_half_support: u8,
+    },
+    /// The decimated transform has half-supports of 1, 2, 4, 8 and 16 px only, along rows only.
+    DecimatedScale,
+    /// The width of a template must be odd, 3 to 9 px.
+    TemplateWidth,
 }
 
 impl fmt::Display for ConfigError {
@@ -37,6 +55,18 @@ impl fmt::Display for ConfigError {
             Self::NumDisparities => f.write_str("the number of disparities must be 1 to 256"),
             Self::DisparitiesOverWidth => f.write_str("the number of disparities must not exceed the width"),
             Self::MinDisparity => f.write_str("the least disparity must be -128 to 128 px"),
+            Self::HalfSupport => f.write_str("a half-support must be 1 to 16 px"),
+            Self::NoScale => f.write_str("no scale is given; give at least one half-support, 1 to 16 px"),
+            Self::SupportOverWidth { half_support } => {
+                write!(f, "a wavelet of half-support {half_support} is longer than the row; take a smaller one")
+            }
+            Self::SupportCapacity { max_half_support } => {
+                write!(f, "this instance has rows for a half-support of {max_half_support} along the columns")
+            }
+            Self::DecimatedScale => {
+                f.write_str("the decimated transform has half-supports of 1, 2, 4, 8 and 16 px, along rows only")
+            }
+            Self::TemplateWidth => f.write_str("the width of a template must be odd, 3 to 9 px"),
         }
     }
 }

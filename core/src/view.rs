@@ -13,18 +13,18 @@ pub(crate) const CLIP: i32 = 31;
 /// Rows by which the smoothed rows lag behind the camera: half of the widest vertical filter.
 pub(crate) const SMOOTH_LAG: u32 = 2;
 
-/// What is kept of one view: 5 rows as they came, 4 smoothed, `FEATURE_ROWS` of features.
+/// What is kept of one view: 5 rows as they came, `SMOOTH_ROWS` smoothed, `FEATURE_ROWS` of features.
 #[derive(Debug, Clone)]
-pub(crate) struct View<const FEATURE_ROWS: usize, const BLOCKS: usize> {
+pub(crate) struct View<const FEATURE_ROWS: usize, const BLOCKS: usize, const SMOOTH_ROWS: usize = 4> {
     pub(crate) raw: RowRing<5, BLOCKS>,
-    pub(crate) smooth: RowRing<4, BLOCKS>,
+    pub(crate) smooth: RowRing<SMOOTH_ROWS, BLOCKS>,
     /// Even rows hold the gradient across, `[1 2 1]` down x `[-1 0 1]` across; odd rows the gradient
     /// down. Both views have the same parity, so sums of differences need no care.
     pub(crate) features: RowRing<FEATURE_ROWS, BLOCKS>,
     pub(crate) noise: NoiseHistogram,
 }
 
-impl<const FEATURE_ROWS: usize, const BLOCKS: usize> View<FEATURE_ROWS, BLOCKS> {
+impl<const FEATURE_ROWS: usize, const BLOCKS: usize, const SMOOTH_ROWS: usize> View<FEATURE_ROWS, BLOCKS, SMOOTH_ROWS> {
     pub(crate) const fn new() -> Self {
         Self { raw: RowRing::new(), smooth: RowRing::new(), features: RowRing::new(), noise: NoiseHistogram::new() }
     }

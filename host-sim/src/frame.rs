@@ -43,6 +43,17 @@ impl Frame {
         Self::of_image(image_file::read(path)?, path)
     }
 
+    /// Reads a grey picture of any size, for those who do not match it.
+    ///
+    /// # Errors
+    /// If the file cannot be read or is no such image.
+    pub fn read_of_any_size(path: &Path) -> Result<Self> {
+        let image = image_file::read(path)?;
+        let (width, height) = (image.width() as usize, image.height() as usize);
+        let (luma, colour) = luma_and_colour(image).with_context(|| path.display().to_string())?;
+        Ok(Self { width, height, luma, colour })
+    }
+
     /// The view in an image that comes from the file `path`, as [`Frame::read`].
     ///
     /// # Errors

@@ -6,7 +6,7 @@
 //!   frames worse on purpose, [`noise`] estimates how bad they are;
 //! - through: [`method`] is the registry of the stereo methods, [`pipeline`] runs one over a frame,
 //!   [`playback`] over a recording;
-//! - out: [`disparity_map`], [`geometry`] (its depth), [`output`] (files and pictures), [`packet_stream`]
+//! - out: [`contour_picture`], [`disparity_map`], [`geometry`] (its depth), [`output`] (files and pictures), [`packet_stream`]
 //!   (maps from a chip's row packets);
 //! - judged: [`score`] and [`sparsification`], [`baselines`] (OpenCV's figures), [`evaluation`] of many
 //!   scenes, [`ablation`] (what the parts of a method bring), [`report`];
@@ -22,6 +22,7 @@
 pub mod ablation;
 pub mod baselines;
 pub mod command;
+pub mod contour_picture;
 pub mod degrade;
 pub mod disparity_map;
 pub mod evaluation;

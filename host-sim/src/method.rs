@@ -5,7 +5,11 @@ use std::thread::{self, ScopedJoinHandle};
 
 use anyhow::{Result, bail};
 use clap::ValueEnum;
-use haarline::{Config, ConfigError, Full, Lite, StereoMethod, WaveletBlock, blocks_for};
+use haarline::contour_stereo::rows_for;
+use haarline::{
+    Config, ConfigError, ContourSettings, ContourStereo, EnvelopeStereo, Full, Lite, Scales, StereoMethod,
+    WaveletBlock, blocks_for,
+};
 use haarline_tests::{BlockSettings, Ncc, Ssd, StereoBm};
 
 /// Columns that every method here has room for.
@@ -14,6 +18,8 @@ const MAX_WIDTH: usize = Config::MAX_WIDTH as usize;
 const BUILD_STACK_BYTES: usize = 64 << 20;
 /// Disparities that every method here has room for.
 const MAX_DISPARITIES: usize = Config::MAX_DISPARITIES as usize;
+/// Smoothed rows for contours of every scale.
+const CONTOUR_ROWS: usize = rows_for(Scales::MAX_HALF_SUPPORT);
 
 /// A stereo method, by its name on the command line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -30,6 +36,42 @@ pub enum MethodKind {
     Ncc,
     /// Block matching whose disparities an extremum search finds
     WaveletBlock,
+    /// Contours of both views matched: sparse, answers beside contours only
+    Contour,
+    /// Peaks, troughs and slopes of grey levels matched: sparse, what the paper puts in the place of blocks
+    Envelope,
+}
+
+/// A method and its settings.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Method {
+    /// Which one.
+    pub kind: MethodKind,
+    /// Which contours [`MethodKind::Contour`] looks for.
+    pub contours: ContourSettings,
+}
+
+impl From<MethodKind> for Method {
+    /// The method as it is meant to be used.
+    fn from(kind: MethodKind) -> Self {
+        Self { kind, contours: ContourSettings::DEFAULT }
+    }
+}
+
+impl Method {
+    /// The name on the command line and in reports.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        self.kind.name()
+    }
+
+    /// An instance for rows of up to [`Config::MAX_WIDTH`] px.
+    ///
+    /// # Errors
+    /// If the configuration or a setting is refused.
+    pub fn build(self, config: Config) -> Result<Box<dyn StereoMethod + Send>, ConfigError> {
+        on_large_stack(|| self.kind.build_here(config, self.contours))
+    }
 }
 
 impl MethodKind {
@@ -46,6 +88,8 @@ impl MethodKind {
             Self::Ssd => "ssd",
             Self::Ncc => "ncc",
             Self::WaveletBlock => "wavelet-block",
+            Self::Contour => "contour",
+            Self::Envelope => "envelope",
         }
     }
 
@@ -54,13 +98,22 @@ impl MethodKind {
     /// # Errors
     /// If the configuration is refused.
     pub fn build(self, config: Config) -> Result<Box<dyn StereoMethod + Send>, ConfigError> {
-        on_large_stack(|| self.build_here(config))
+        Method::from(self).build(config)
     }
 
-    fn build_here(self, config: Config) -> Result<Box<dyn StereoMethod + Send>, ConfigError> {
+    fn build_here(
+        self,
+        config: Config,
+        contours: ContourSettings,
+    ) -> Result<Box<dyn StereoMethod + Send>, ConfigError> {
         Ok(match self {
             Self::Full => Box::new(Full::<{ blocks_for(Config::MAX_WIDTH) }>::new(config)?),
             Self::Lite => Box::new(Lite::<{ blocks_for(Config::MAX_WIDTH) }>::new(config)?),
+            Self::Contour => {
+                type Contours = ContourStereo<{ blocks_for(Config::MAX_WIDTH) }, CONTOUR_ROWS>;
+                Box::new(Contours::with_settings(config, contours)?)
+            }
+            Self::Envelope => Box::new(EnvelopeStereo::<{ blocks_for(Config::MAX_WIDTH) }>::new(config)?),
             Self::WaveletBlock => Box::new(WaveletBlock::<{ blocks_for(Config::MAX_WIDTH) }>::new(config)?),
             Self::Block | Self::Ssd | Self::Ncc => return self.build_reference(config, BlockSettings::default()),
         })

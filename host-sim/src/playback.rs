@@ -7,7 +7,7 @@ use haarline::{Config, StereoMethod};
 use rayon::prelude::*;
 use serde::{Serialize, Serializer};
 
-use crate::method::MethodKind;
+use crate::method::Method;
 use crate::output::picture::{self, ColourRange};
 use crate::pipeline::{self, Run};
 use crate::recording::RecordedFrame;
@@ -125,7 +125,7 @@ impl<'a> Player<'a> {
     /// # Errors
     /// If the method refuses the configuration.
     pub fn new(
-        method: MethodKind,
+        method: impl Into<Method>,
         config: Config,
         height: usize,
         min_confidence: u8,
@@ -133,7 +133,7 @@ impl<'a> Player<'a> {
     ) -> Result<Self> {
         // The same colours for all frames, so that the pictures compare.
         let range = ColourRange::of_search(&config);
-        Ok(Self { method: method.build(config)?, height, range, min_confidence, folder })
+        Ok(Self { method: method.into().build(config)?, height, range, min_confidence, folder })
     }
 
     /// Plays `frames` in their order and writes `<name>.pfm` and `<name>_picture.png` of each; `done`
@@ -216,6 +216,7 @@ pub fn encode_csv(reports: &[FrameReport]) -> Result<Vec<u8>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::MethodKind;
     use crate::output::encode_grey_png;
     use crate::recording::{Layout, Side, find_frames};
     use std::fs;

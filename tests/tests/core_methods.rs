@@ -1,11 +1,16 @@
-//! What holds for the methods of the core, `lite`, `full` and `wavelet-block`.
+//! What holds for the methods of the core, `lite`, `full`, `wavelet-block`, and the sparse ones, `contour` and `envelope`.
 
 mod common;
 
 use common::map::{Losses, run_with_losses};
 use common::property::{cases, samples};
+use common::sparse_property::all_sparse_hold;
 use common::{Subject, all_hold};
-use haarline::{Config, ConfigError, Full, Lite, Parts, Reading, StereoMethod, WaveletBlock, blocks_for};
+use haarline::contour_stereo::rows_for;
+use haarline::{
+    Config, ConfigError, ContourSettings, ContourStereo, EnvelopeStereo, Full, Lite, Parts, Reading, Scales,
+    StereoMethod, WaveletBlock, blocks_for,
+};
 use proptest::prelude::*;
 
 /// A method with room for rows of `$width` px.
@@ -17,6 +22,9 @@ macro_rules! method {
 
 macro_rules! subject {
     ($name:literal, $method:ident) => {
+        subject!($name, $method, $method::<0>::LATENCY as usize)
+    };
+    ($name:literal, $method:ident, $latency:expr) => {
         Subject {
             name: $name,
             build: |config| match config.width {
@@ -34,7 +42,7 @@ macro_rules! subject {
                 width => panic!("no tight capacity for {width} px"),
             },
             build_widest: |config| method!($method, Config::MAX_WIDTH, config),
-            latency: $method::<0>::LATENCY as usize,
+            latency: $latency,
         }
     };
 }
@@ -95,11 +103,63 @@ mod wavelet_block_of_intensities {
     }
 }
 
+mod contour {
+    use super::*;
+
+    const CONTOUR: Subject = subject!("contour", ContourStereo, 6);
+    all_sparse_hold!(CONTOUR);
+}
+
+mod envelope {
+    use super::*;
+
+    const ENVELOPE: Subject = subject!("envelope", EnvelopeStereo, 8);
+    all_sparse_hold!(ENVELOPE);
+}
+
 #[test]
 fn the_state_for_320_px_is_within_its_bounds() {
     let (lite, full) = (size_of::<Lite<{ blocks_for(320) }>>(), size_of::<Full<{ blocks_for(320) }>>());
     assert!(lite <= 16 * 1024, "lite: {lite} bytes");
     assert!(full <= 24 * 1024, "full: {full} bytes");
+    let contour = size_of::<ContourStereo<{ blocks_for(320) }>>();
+    let envelope = size_of::<EnvelopeStereo<{ blocks_for(320) }>>();
+    assert!(contour <= 16 * 1024, "contour: {contour} bytes");
+    assert!(envelope <= 20 * 1024, "envelope: {envelope} bytes");
+}
+
+#[test]
+fn contours_of_all_settings_are_answered_within_bounds() {
+    const BLOCKS: usize = blocks_for(200);
+    type AnyContour = ContourStereo<BLOCKS, { rows_for(Scales::MAX_HALF_SUPPORT) }>;
+    let scales = || prop::collection::vec(1..=16_u8, 0..3).prop_map(|scales| Scales::new(&scales).unwrap());
+    let powers = prop::collection::vec(prop::sample::select(vec![1_u8, 2, 4, 8, 16]), 1..3);
+    let powers = powers.prop_map(|scales| Scales::new(&scales).unwrap());
+    let settings = (scales(), powers, scales(), any::<u8>(), any::<[bool; 2]>());
+    proptest!(cases(128), |(sample in samples(), (rows, powers, columns, threshold, [decimated, linked_only]) in settings)| {
+        let rows = if decimated || rows.is_empty() { powers } else { rows };
+        let settings = ContourSettings { rows, columns, threshold, decimated, linked_only };
+        let losses = Losses { seed: 1, one_in: 9 };
+        let mut method = AnyContour::with_settings(sample.config, settings).unwrap();
+        run_with_losses(&mut method, &sample.frame(), |y| losses.has(y)).check(&sample.config);
+    });
+}
+
+#[test]
+fn contour_settings_out_of_range_are_refused() {
+    type Contours = ContourStereo<{ blocks_for(64) }>;
+    let refused = |settings| Contours::with_settings(Config::for_width(64), settings).err();
+    let scales = |half_support| Scales::new(&[half_support]).unwrap();
+    let valid = ContourSettings::DEFAULT;
+    assert_eq!(refused(valid), None);
+    let none = ContourSettings { rows: Scales::NONE, columns: Scales::NONE, ..valid };
+    assert_eq!(refused(none), Some(ConfigError::NoScale));
+    let capacity = ConfigError::SupportCapacity { max_half_support: 1 };
+    assert_eq!(refused(ContourSettings { columns: scales(2), ..valid }), Some(capacity));
+    let decimated = ContourSettings { decimated: true, ..valid };
+    assert_eq!(refused(ContourSettings { rows: scales(4), ..decimated }), None);
+    assert_eq!(refused(ContourSettings { rows: scales(3), ..decimated }), Some(ConfigError::DecimatedScale));
+    assert_eq!([0, 17, 255].map(|s| Scales::new(&[2, s]).err()), [Some(ConfigError::HalfSupport); 3]);
 }
 
 #[test]

@@ -6,7 +6,7 @@ use anyhow::{Context, Result, ensure};
 use haarline::{Config, Disparity};
 use serde::Serialize;
 
-use super::shared::{MinConfidence, SearchRange};
+use super::shared::{MethodOptions, MinConfidence, SearchRange};
 use super::{number, print};
 use crate::disparity_map::{DisparityMap, Spread};
 use crate::method::MethodKind;
@@ -25,9 +25,8 @@ pub(super) struct Args {
     right: PathBuf,
     #[command(flatten)]
     search: SearchRange,
-    /// How to match
-    #[arg(long, value_enum, default_value_t = MethodKind::BEST)]
-    method: MethodKind,
+    #[command(flatten)]
+    method: MethodOptions,
     /// Focal length, px; with --baseline-mm depth is told, too
     #[arg(long, value_name = "F", allow_hyphen_values = true, value_parser = number)]
     focal_px: Option<f64>,
@@ -87,11 +86,11 @@ struct DepthSummary {
 impl Args {
     pub(super) fn run(self) -> Result<()> {
         let geometry = Geometry::from_options(self.focal_px, self.baseline_mm)?;
-        let min_confidence = self.min_confidence.get()?;
+        let (method, min_confidence) = (self.method.get()?, self.min_confidence.get()?);
         let kinds = self.check_outputs(geometry.as_ref())?;
         let pair = StereoPair::read(&self.left, &self.right)?;
         let config = self.search.config(pair.width() as u16)?;
-        let Run { mut map, elapsed } = pipeline::run(&mut *self.method.build(config)?, &pair)?;
+        let Run { mut map, elapsed } = pipeline::run(&mut *method.build(config)?, &pair)?;
         map.drop_below(min_confidence);
         if self.fill {
             map.fill_holes();
@@ -99,7 +98,7 @@ impl Args {
         for (path, bytes) in self.files(&kinds, &map, &pair.left, &config, geometry.as_ref())? {
             output::write(path, &bytes)?;
         }
-        let summary = Summary::new(&map, &config, self.method, elapsed.as_secs_f64() * 1000.0, geometry.as_ref());
+        let summary = Summary::new(&map, &config, method.kind, elapsed.as_secs_f64() * 1000.0, geometry.as_ref());
         print(&if self.json { serde_json::to_string(&summary)? + "\n" } else { summary.line() })
     }
 

@@ -5,12 +5,12 @@ use std::str::FromStr;
 
 use anyhow::{Result, bail, ensure};
 
-use super::shared::{Benchmark, JsonOutput, progress};
+use super::shared::{Benchmark, JsonOutput, MethodOptions, progress};
 use super::{Finding, natural_number, number};
 use crate::baselines::{Baselines, Level};
 use crate::degrade::Degradation;
 use crate::evaluation::{self, Evaluator, Mean, SceneScore};
-use crate::method::MethodKind;
+use crate::method::Method;
 use crate::output;
 use crate::report::Report;
 use crate::scene::Scene;
@@ -21,9 +21,8 @@ use crate::score::{Figure, Score};
 pub(super) struct Args {
     #[command(flatten)]
     benchmark: Benchmark,
-    /// Which method to score
-    #[arg(long, value_enum, default_value_t = MethodKind::BEST)]
-    method: MethodKind,
+    #[command(flatten)]
+    method: MethodOptions,
     /// Adds Gaussian noise to both views: standard deviation, grey levels
     #[arg(long, value_name = "SIGMA", default_value_t = 0.0, allow_hyphen_values = true, value_parser = number)]
     noise: f64,
@@ -79,7 +78,7 @@ impl FromStr for Limit {
 
 impl Args {
     pub(super) fn run(self) -> Result<()> {
-        let degradation = self.degradation()?;
+        let (method, degradation) = (self.method.get()?, self.degradation()?);
         let folders = self.benchmark.folders()?;
         let scenes = evaluation::load(&folders)?;
         let baselines = self.benchmark.read_baselines()?;
@@ -87,10 +86,10 @@ impl Args {
         let widest = scenes.iter().map(|scene| scene.pair.width()).max().unwrap_or(0);
         let level = baselines.as_ref().map(|baselines| baselines.level(widest, &degradation));
         let baselines = baselines.as_ref().zip(level.as_ref());
-        let scores = self.evaluate(&scenes, degradation, baselines)?;
+        let scores = self.evaluate(method, &scenes, degradation, baselines)?;
         let Some(mean) = Mean::of(scores.iter()) else { bail!("{}: no scene in it", self.benchmark.scenes.display()) };
         let report = Report {
-            method: self.method.name(),
+            method: method.name(),
             folder: &self.benchmark.scenes,
             degradation,
             baselines,
@@ -130,11 +129,12 @@ impl Args {
 
     fn evaluate(
         &self,
+        method: Method,
         scenes: &[Scene],
         degradation: Degradation,
         baselines: Option<(&Baselines, &Level)>,
     ) -> Result<Vec<SceneScore>> {
-        let build = |config| self.method.build(config);
+        let build = |config| method.build(config);
         let evaluator = Evaluator { build: &build, degradation, baselines, maps: self.output.as_deref() };
         let progress = progress(scenes.len(), "scenes")?;
         let scores = evaluator.run(scenes, || progress.inc(1));

@@ -1,6 +1,7 @@
 //! The commands of the tool, and what they share: how they end and how they print.
 
 mod ablate;
+mod contours;
 mod demo;
 mod depth;
 mod eval;
@@ -48,6 +49,8 @@ enum Command {
     Twin(twin::Args),
     /// Repeats the paper's experiments: tables, plots and a page
     Study(study::Args),
+    /// The contours of an image as a picture, as the methods look for them
+    Contours(contours::Args),
 }
 
 /// How a command ends when it does not succeed.
@@ -111,6 +114,7 @@ impl Cli {
             Command::Ablate(args) => args.run()?,
             Command::Twin(args) => args.run()?,
             Command::Study(args) => args.run()?,
+            Command::Contours(args) => args.run()?,
         }
         Ok(())
     }

@@ -7,9 +7,10 @@ use anyhow::{Context, Result, ensure};
 use haarline::Config;
 use serde::Serialize;
 
-use super::shared::{LayoutKind, MinConfidence, SearchRange, WiringArgs, layout, progress, warn_skipped};
+use super::shared::{
+    LayoutKind, MethodOptions, MinConfidence, SearchRange, WiringArgs, layout, progress, warn_skipped,
+};
 use super::{Finding, print, whole_number};
-use crate::method::MethodKind;
 use crate::output;
 use crate::playback::{FrameReport, Player, encode_csv, report_damaged};
 use crate::raw_dump::{RawFormat, ViewSize};
@@ -37,9 +38,8 @@ pub(super) struct Args {
     wiring: WiringArgs,
     #[command(flatten)]
     search: SearchRange,
-    /// How to match
-    #[arg(long, value_enum, default_value_t = MethodKind::BEST)]
-    method: MethodKind,
+    #[command(flatten)]
+    method: MethodOptions,
     /// Only these frames, counted from 0 in the order of their names: A..B without B, A.. or ..B
     #[arg(long, value_name = "A..B", allow_hyphen_values = true)]
     frames: Option<FrameRange>,
@@ -75,7 +75,7 @@ struct Summary<'a> {
 
 impl Args {
     pub(super) fn run(self) -> Result<()> {
-        let min_confidence = self.min_confidence.get()?;
+        let (method, min_confidence) = (self.method.get()?, self.min_confidence.get()?);
         // Whatever the width will be.
         self.search.config(Config::MAX_WIDTH)?;
         let step = usize::try_from(self.every).ok().filter(|&step| step > 0);
@@ -98,7 +98,7 @@ impl Args {
         self.check_output()?;
         let reports = match format {
             Some((config, height)) => {
-                let mut player = Player::new(self.method, config, height, min_confidence, &self.output)?;
+                let mut player = Player::new(method, config, height, min_confidence, &self.output)?;
                 play(&mut player, &frames)?
             }
             None => report_damaged(&frames).into_iter().inspect(warn).collect(),

@@ -15,10 +15,12 @@ pub mod outcome;
 pub mod page;
 pub mod plot;
 pub mod rendered;
+pub mod same_points;
 pub mod scaled;
 pub mod schwefel;
 
 pub use outcome::{Outcome, Part, Plot, Table};
+pub use same_points::{PointScore, SamePoints};
 
 use anyhow::Result;
 use indicatif::ProgressBar;

@@ -8,6 +8,7 @@
 )]
 
 mod bad_input;
+mod contours;
 mod demo;
 mod depth;
 mod eval;

@@ -6,7 +6,7 @@ use std::fs;
 use crate::scene::bench_with_scenes;
 use crate::tool::Bench;
 
-const STUDIES: [&str; 2] = ["envelope", "detail"];
+const STUDIES: [&str; 6] = ["envelope", "detail", "noise", "schwefel", "alignment", "block"];
 
 /// The files in the folder `name`, by name.
 fn files(bench: &Bench, name: &str) -> BTreeMap<String, Vec<u8>> {

@@ -8,6 +8,7 @@ pub mod golden;
 pub mod map;
 pub mod property;
 pub mod scene;
+pub mod sparse_property;
 
 use haarline::{Config, StereoMethod};
 
@@ -61,10 +62,13 @@ macro_rules! all_hold {
         }
     };
     ($subject:expr; $($property:ident),+ $(,)?) => {
+        $crate::common::all_hold! { in property of $subject; $($property),+ }
+    };
+    (in $module:ident of $subject:expr; $($property:ident),+ $(,)?) => {
         $(
             #[test]
             fn $property() {
-                $crate::common::property::$property(&$subject);
+                $crate::common::$module::$property(&$subject);
             }
         )+
     };
