@@ -24,6 +24,13 @@ pub enum ConfigError {
     DisparitiesOverWidth,
     /// `min_disparity` must be -128 to 128 px.
     MinDisparity,
+    /// The row offset is out of its range or more than the pairing was built for.
+    RowOffset {
+        /// Greatest magnitude this instance can hold, rows.
+        max_rows: u8,
+    },
+    /// The column offset must be -128 to 128 px.
+    ColumnOffset,
 }
 
 impl fmt::Display for ConfigError {
@@ -37,6 +44,8 @@ impl fmt::Display for ConfigError {
             Self::NumDisparities => f.write_str("the number of disparities must be 1 to 256"),
             Self::DisparitiesOverWidth => f.write_str("the number of disparities must not exceed the width"),
             Self::MinDisparity => f.write_str("the least disparity must be -128 to 128 px"),
+            Self::RowOffset { max_rows } => write!(f, "the row offset must be -{max_rows} to {max_rows} rows"),
+            Self::ColumnOffset => f.write_str("the column offset must be -128 to 128 px"),
         }
     }
 }

@@ -36,12 +36,15 @@ pub mod fill;
 pub mod full;
 pub mod haar;
 pub mod lite;
+pub mod obstacle;
 #[cfg(feature = "packet")]
 pub mod packet;
+pub mod pairing;
 pub mod parts;
 pub mod pipeline;
 pub mod rig;
 pub mod scanline;
+pub mod setup;
 pub mod stereo;
 pub mod wiring;
 
@@ -68,9 +71,12 @@ pub use error::{ConfigError, RowError};
 pub use fill::fill_holes;
 pub use full::Full;
 pub use lite::Lite;
+pub use obstacle::Obstacles;
+pub use pairing::{Offset, Paired};
 pub use parts::Parts;
 pub use pipeline::blocks_for;
 pub use rig::{Depth, Rig};
 pub use scanline::ScanlinePair;
+pub use setup::Setup;
 pub use stereo::StereoMethod;
 pub use wiring::Wiring;

@@ -2,3 +2,5 @@
 #![no_std]
 
 pub mod picture;
+#[cfg(target_os = "none")]
+pub mod rig;

@@ -6,6 +6,7 @@ mod depth;
 mod eval;
 mod play;
 mod record;
+mod rig;
 mod shared;
 
 use std::ffi::OsString;
@@ -40,6 +41,8 @@ enum Command {
     Play(play::Args),
     /// A pair or a recording in, the bytes a camera port would store of it out
     Record(record::Args),
+    /// Rig descriptions: what the cameras are like and how they stand
+    Rig(rig::Args),
     /// Scores the method full without one of its parts each: what every part brings
     Ablate(ablate::Args),
 }
@@ -102,6 +105,7 @@ impl Cli {
             Command::Demo(args) => args.run()?,
             Command::Play(args) => args.run()?,
             Command::Record(args) => args.run()?,
+            Command::Rig(args) => args.run()?,
             Command::Ablate(args) => args.run()?,
         }
         Ok(())
@@ -111,7 +115,7 @@ impl Cli {
 /// clap's message in one line, without the usage.
 fn condense(error: &error::Error) -> String {
     if error.kind() == error::ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
-        return "a command is missing: depth, eval, demo, play, record or ablate; haarline --help tells more"
+        return "a command is missing: depth, eval, demo, play, record, rig or ablate; haarline --help tells more"
             .to_owned();
     }
     let text = error.to_string();
