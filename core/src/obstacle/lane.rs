@@ -61,7 +61,7 @@ impl Camera {
             most: above_lowest.1.min(below_highest.1),
             ahead_q22,
             // Below 2^24 * 2^37 / 2^22.
-            ahead: u64::try_from(baseline * ahead_q22 >> 22).unwrap_or(0),
+            ahead: u64::try_from((baseline * ahead_q22) >> 22).unwrap_or(0),
         })
     }
 }
@@ -70,7 +70,7 @@ impl Camera {
 /// of disparity d lies `rise` / 2^22 µm px / d higher. Both ends are moved inwards by `doubt`.
 fn at_least(mm: i32, rise: i64, doubt: i64) -> (i64, i64) {
     // mm 1000 d <= rise / 2^22, and d is in 1/16 px. Below 2^50.
-    let per_step = i64::from(mm.unsigned_abs()) * 1000 << 18;
+    let per_step = (i64::from(mm.unsigned_abs()) * 1000) << 18;
     let quotient = |up: i64| (rise.saturating_abs() + up * (per_step - 1)) / per_step;
     let (everything, nothing) = ((1, i64::MAX), (1, 0));
     match (mm.signum(), rise >= 0) {
@@ -112,7 +112,7 @@ impl Lane {
     /// Where the tangent of a bearing lies: half pixels right of the middle.
     fn column_of(&self, tangent_q16: i32) -> i64 {
         // Below 2^37 * 2^20.
-        self.ahead_q22 * i64::from(tangent_q16) >> 37
+        (self.ahead_q22 * i64::from(tangent_q16)) >> 37
     }
 }
 

@@ -91,7 +91,7 @@ fn label(disparity_px: f64, geometry: Option<&Geometry>) -> String {
 pub(super) struct Canvas(pub(super) RgbImage);
 
 impl Canvas {
-    fn write(&mut self, text: &str, left: u32, middle: u32) {
+    pub(super) fn write(&mut self, text: &str, left: u32, middle: u32) {
         let style = TextStyleBuilder::new().alignment(Alignment::Left).baseline(Baseline::Middle).build();
         let position = Point::new(left as i32, middle as i32);
         let Ok(_) = Text::with_text_style(text, position, MonoTextStyle::new(&FONT_6X10, INK), style).draw(self);

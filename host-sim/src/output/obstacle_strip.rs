@@ -46,6 +46,7 @@ impl<const SECTORS: usize> ObstacleStrip<'_, SECTORS> {
         for (columns, &mm) in borders.windows(2).zip(self.nearest_mm) {
             self.field(&mut canvas, [columns[0], columns[1]], top, mm, range);
         }
+        canvas.write("obstacles, cm", map_size[0] + GAP, top + FIELD / 2);
         canvas.0
     }
 

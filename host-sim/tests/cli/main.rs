@@ -13,5 +13,6 @@ mod depth;
 mod eval;
 mod files;
 mod record;
+mod rig;
 mod scene;
 mod tool;
