@@ -46,3 +46,28 @@ impl Description {
         ))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::template;
+
+    #[test]
+    fn the_source_holds_the_setups_numbers() {
+        let description = Description::parse(&template()).unwrap();
+        let (source, setup) = (description.to_rust().unwrap(), description.setup::<17>().unwrap());
+        let wanted = [
+            "pub const SECTORS: usize = 17;".to_owned(),
+            format!("config: {:?},", setup.config),
+            format!("offset: {:?},", setup.offset),
+            format!("mounting: {:?},", setup.mounting),
+            format!("sectors: {:?},", setup.sectors),
+            format!("reach: {:?},", setup.reach),
+            "rig: Rig::new(51200, 60000).unwrap(),".to_owned(),
+            "kind: Kind::PixelInterleaved, first: First::Left, skew: Skew::None".to_owned(),
+        ];
+        for words in wanted {
+            assert!(source.contains(&words), "no {words} in {source}");
+        }
+    }
+}

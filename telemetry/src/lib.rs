@@ -96,7 +96,7 @@ impl Link {
     }
 
     fn message(&mut self, data: &impl MessageData) -> Message {
-        let header = MavHeader { system_id: self.system.into(), component_id: COMPONENT, sequence: self.sequence };
+        let header = MavHeader { system_id: self.system, component_id: COMPONENT, sequence: self.sequence };
         self.sequence = self.sequence.wrapping_add(1);
         let mut raw = MAVLinkV2MessageRaw::new();
         raw.serialize_message_data(header, data);

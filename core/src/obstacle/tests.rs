@@ -131,6 +131,11 @@ fn a_pitched_camera_sees_the_same_ground_and_the_same_post() {
 }
 
 #[test]
+fn what_it_keeps_is_small() {
+    assert!(size_of::<Obstacles<17, { blocks_for(320) }>>() <= 1024);
+}
+
+#[test]
 fn arguments_are_held_to_their_ranges() {
     let level = mounting(300, 0.0);
     let new = |size, rig, mounting, sectors: Sectors<3>| {
