@@ -1,4 +1,4 @@
-//! Row pairing: brings together the rows and columns of two cameras that are mounted a little off.
+//! Rectification by whole pixels, row pairing: brings together the rows and columns of two cameras that are mounted a little off.
 //!
 //! Real pairs of small cameras look a few rows past each other. Whole rows need no frame buffer: the view
 //! that is ahead waits in a ring of as many rows as the offset has.
@@ -41,7 +41,7 @@ impl Offset {
 ///
 /// # Examples
 /// ```
-/// use haarline::pairing::{Offset, Paired};
+/// use haarline::rectify::{Offset, Paired};
 /// use haarline::{Config, Lite, ScanlinePair, StereoMethod, blocks_for};
 /// let lite = Lite::<{ blocks_for(64) }>::new(Config::for_width(64))?;
 /// let mut paired = Paired::<_, 2, 64>::new(lite, Offset { rows: 2, columns: 0 })?;
