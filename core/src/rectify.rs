@@ -1,4 +1,4 @@
-//! Rectification by whole pixels, row pairing: brings together the rows and columns of two cameras that are mounted a little off.
+//! Rectification by whole pixels: brings together the rows and columns of two cameras that are a little off.
 //!
 //! Real pairs of small cameras look a few rows past each other. Whole rows need no frame buffer: the view
 //! that is ahead waits in a ring of as many rows as the offset has.
