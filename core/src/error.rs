@@ -42,6 +42,13 @@ pub enum ConfigError {
     DecimatedScale,
     /// The width of a template must be odd, 3 to 9 px.
     TemplateWidth,
+    /// The row offset is out of its range or more than the pairing was built for.
+    RowOffset {
+        /// Greatest magnitude this instance can hold, rows.
+        max_rows: u8,
+    },
+    /// The column offset must be -128 to 128 px.
+    ColumnOffset,
 }
 
 impl fmt::Display for ConfigError {
@@ -67,6 +74,8 @@ impl fmt::Display for ConfigError {
                 f.write_str("the decimated transform has half-supports of 1, 2, 4, 8 and 16 px, along rows only")
             }
             Self::TemplateWidth => f.write_str("the width of a template must be odd, 3 to 9 px"),
+            Self::RowOffset { max_rows } => write!(f, "the row offset must be -{max_rows} to {max_rows} rows"),
+            Self::ColumnOffset => f.write_str("the column offset must be -128 to 128 px"),
         }
     }
 }

@@ -35,6 +35,18 @@ impl Rig {
         Some(Self { focal_px_q8, baseline_um })
     }
 
+    /// Focal length, 1/256 px.
+    #[must_use]
+    pub const fn focal_px_q8(&self) -> u32 {
+        self.focal_px_q8
+    }
+
+    /// Distance of the cameras, µm.
+    #[must_use]
+    pub const fn baseline_um(&self) -> u32 {
+        self.baseline_um
+    }
+
     /// Depth of a point of that disparity: focal length x baseline / disparity.
     ///
     /// # Examples

@@ -27,3 +27,25 @@ pub trait StereoMethod {
     /// Ends the frame: delivers what is still inside, and begins the next one.
     fn finish(&mut self, sink: &mut dyn FnMut(DisparityRow<'_>));
 }
+
+impl<M: StereoMethod + ?Sized> StereoMethod for &mut M {
+    fn config(&self) -> &Config {
+        (**self).config()
+    }
+
+    fn start(&mut self) {
+        (**self).start();
+    }
+
+    fn push(&mut self, pair: ScanlinePair<'_>, sink: &mut dyn FnMut(DisparityRow<'_>)) -> Result<(), RowError> {
+        (**self).push(pair, sink)
+    }
+
+    fn miss(&mut self, sink: &mut dyn FnMut(DisparityRow<'_>)) {
+        (**self).miss(sink);
+    }
+
+    fn finish(&mut self, sink: &mut dyn FnMut(DisparityRow<'_>)) {
+        (**self).finish(sink);
+    }
+}

@@ -14,6 +14,8 @@ pub mod edge;
 #[cfg(target_os = "none")]
 pub mod results;
 #[cfg(target_os = "none")]
+pub mod rig;
+#[cfg(target_os = "none")]
 pub mod ring;
 #[cfg(target_os = "none")]
 pub mod vision;

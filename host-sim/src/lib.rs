@@ -2,12 +2,12 @@
 //! pictures.
 //!
 //! - in: [`image_file`] and [`frame`] read images, [`recording`] finds the frames of a recording,
-//!   [`raw_dump`] those in a camera port's bytes, [`scene`] reads a benchmark scene's folder, [`synthetic`] renders a scene with known truth, [`degrade`] makes
+//!   [`raw_dump`] those in a camera port's bytes, [`rig_file`] reads what the cameras are like, [`scene`] reads a benchmark scene's folder, [`synthetic`] renders a scene with known truth, [`degrade`] makes
 //!   frames worse on purpose, [`noise`] estimates how bad they are;
 //! - through: [`method`] is the registry of the stereo methods, [`pipeline`] runs one over a frame,
 //!   [`playback`] over a recording;
-//! - out: [`contour_picture`], [`disparity_map`], [`geometry`] (its depth), [`output`] (files and pictures), [`packet_stream`]
-//!   (maps from a chip's row packets);
+//! - out: [`contour_picture`], [`disparity_map`], [`geometry`] (its depth), [`obstacles`], [`output`] (files and pictures),
+//!   [`packet_stream`] (maps from a chip's row packets);
 //! - judged: [`score`] and [`sparsification`], [`baselines`] (OpenCV's figures), [`evaluation`] of many
 //!   scenes, [`ablation`] (what the parts of a method bring), [`report`];
 //! - on the chip: [`twin`] runs the firmware application in QEMU;
@@ -31,6 +31,7 @@ pub mod geometry;
 pub mod image_file;
 pub mod method;
 pub mod noise;
+pub mod obstacles;
 pub mod output;
 pub mod packet_stream;
 pub mod pipeline;
@@ -38,6 +39,7 @@ pub mod playback;
 pub mod raw_dump;
 pub mod recording;
 pub mod report;
+pub mod rig_file;
 pub mod scene;
 pub mod score;
 pub mod sparsification;

@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use anyhow::{Result, ensure};
-use haarline::{DisparityRow, ScanlinePair, StereoMethod};
+use haarline::{Config, DisparityRow, Offset, Paired, ScanlinePair, StereoMethod};
 
 use crate::{DisparityMap, StereoPair};
 
@@ -33,6 +33,16 @@ pub fn run(method: &mut dyn StereoMethod, pair: &StereoPair) -> Result<Run> {
         pair.height()
     );
     Ok(Run { map, elapsed })
+}
+
+/// Streams a frame of cameras that are displaced by `offset` through `method`.
+///
+/// # Errors
+/// As [`run`], or if the offset is out of its range.
+pub fn run_paired(method: &mut dyn StereoMethod, offset: Offset, pair: &StereoPair) -> Result<Run> {
+    const ROWS: usize = Offset::MAX_ROWS.unsigned_abs() as usize;
+    const WIDTH: usize = Config::MAX_WIDTH as usize;
+    run(&mut Paired::<_, ROWS, WIDTH>::new(method, offset)?, pair)
 }
 
 /// Pushes every row and collects into `map`; whether the rows came complete and in order.

@@ -3,15 +3,19 @@
 use std::path::Path;
 
 use anyhow::{Context, Result, ensure};
-use haarline::{Config, StereoMethod};
+use haarline::obstacle::MAX_SECTORS;
+use haarline::{Config, Offset, StereoMethod};
+use haarline_rig::Description;
 use rayon::prelude::*;
 use serde::{Serialize, Serializer};
 
 use crate::method::Method;
+use crate::obstacles::{FrameObstacles, ObstacleFinder};
+use crate::output::obstacle_strip::ObstacleStrip;
 use crate::output::picture::{self, ColourRange};
 use crate::pipeline::{self, Run};
 use crate::recording::RecordedFrame;
-use crate::{DisparityMap, StereoPair, noise, output};
+use crate::{DisparityMap, Geometry, StereoPair, noise, output, rig_file};
 
 /// So many frames are read at once, and so many results written; in between they are matched one after
 /// the other.
@@ -109,6 +113,15 @@ impl FrameReport {
     }
 }
 
+/// The rig that a recording was taken with.
+#[derive(Debug)]
+struct RigView {
+    offset: Offset,
+    geometry: Geometry,
+    finder: ObstacleFinder,
+    obstacles: Vec<FrameObstacles>,
+}
+
 /// Plays frames of one size.
 pub struct Player<'a> {
     method: Box<dyn StereoMethod + Send>,
@@ -116,6 +129,7 @@ pub struct Player<'a> {
     range: ColourRange,
     min_confidence: u8,
     folder: &'a Path,
+    rig: Option<RigView>,
 }
 
 impl<'a> Player<'a> {
@@ -133,7 +147,24 @@ impl<'a> Player<'a> {
     ) -> Result<Self> {
         // The same colours for all frames, so that the pictures compare.
         let range = ColourRange::of_search(&config);
-        Ok(Self { method: method.into().build(config)?, height, range, min_confidence, folder })
+        Ok(Self { method: method.into().build(config)?, height, range, min_confidence, folder, rig: None })
+    }
+
+    /// The same for frames of that rig: takes its offsets away, and looks for obstacles.
+    ///
+    /// # Errors
+    /// If the frames have another size than the rig's, or its fields do not go together.
+    pub fn with_rig(mut self, rig: &Description) -> Result<Self> {
+        rig_file::check_size(rig, [self.method.config().width.into(), self.height])?;
+        let (geometry, finder) = (Geometry::new(rig.focal_px, rig.baseline_mm)?, ObstacleFinder::new(rig)?);
+        self.rig = Some(RigView { offset: rig.offset, geometry, finder, obstacles: Vec::new() });
+        Ok(self)
+    }
+
+    /// The obstacles of the frames played so far, and who found them; none without a rig.
+    #[must_use]
+    pub fn obstacles(&self) -> Option<(&ObstacleFinder, &[FrameObstacles])> {
+        self.rig.as_ref().map(|rig| (&rig.finder, &rig.obstacles[..]))
     }
 
     /// Plays `frames` in their order and writes `<name>.pfm` and `<name>_picture.png` of each; `done`
@@ -151,21 +182,44 @@ impl<'a> Player<'a> {
             for (frame, views) in batch.iter().zip(views) {
                 let report = match views {
                     Ok((pair, noise)) => {
-                        let mut run = pipeline::run(&mut *self.method, &pair)?;
+                        let offset = self.rig.as_ref().map_or_else(Offset::default, |rig| rig.offset);
+                        let mut run = pipeline::run_paired(&mut *self.method, offset, &pair)?;
                         run.map.drop_below(self.min_confidence);
                         let report = FrameReport::played(frame, &run, noise);
-                        maps.push((frame, run.map));
+                        let nearest_mm = self.rig.as_mut().map(|rig| rig.look(frame, &run.map));
+                        maps.push((frame, run.map, nearest_mm));
                         report
                     }
-                    Err(error) => FrameReport::damaged(frame, &error),
+                    Err(error) => {
+                        if let Some(rig) = &mut self.rig {
+                            rig.obstacles.push(FrameObstacles { frame: frame.index, nearest_mm: Vec::new() });
+                        }
+                        FrameReport::damaged(frame, &error)
+                    }
                 };
                 done(&report);
                 reports.push(report);
             }
-            let (folder, range) = (self.folder, &self.range);
-            maps.par_iter().try_for_each(|(frame, map)| write_map(folder, range, frame, map))?;
+            let (folder, range, rig) = (self.folder, &self.range, self.rig.as_ref());
+            maps.par_iter().try_for_each(|(frame, map, nearest_mm)| {
+                let strip = rig.zip(nearest_mm.as_deref()).map(|(rig, nearest_mm)| rig.strip(nearest_mm));
+                write_map(folder, range, frame, map, strip.as_ref())
+            })?;
         }
         Ok(reports)
+    }
+}
+
+impl RigView {
+    /// Looks for obstacles in a map, and notes them.
+    fn look(&mut self, frame: &RecordedFrame, map: &DisparityMap) -> Vec<Option<u32>> {
+        let nearest_mm = self.finder.find(map);
+        self.obstacles.push(FrameObstacles { frame: frame.index, nearest_mm: nearest_mm.clone() });
+        nearest_mm
+    }
+
+    fn strip<'a>(&'a self, nearest_mm: &'a [Option<u32>]) -> ObstacleStrip<'a, MAX_SECTORS> {
+        ObstacleStrip { setup: self.finder.setup(), geometry: &self.geometry, nearest_mm }
     }
 }
 
@@ -185,10 +239,20 @@ fn read(frame: &RecordedFrame, size: [usize; 2]) -> Result<(StereoPair, Option<f
     Ok((pair, noise))
 }
 
-fn write_map(folder: &Path, range: &ColourRange, frame: &RecordedFrame, map: &DisparityMap) -> Result<()> {
+fn write_map(
+    folder: &Path,
+    range: &ColourRange,
+    frame: &RecordedFrame,
+    map: &DisparityMap,
+    strip: Option<&ObstacleStrip<'_, MAX_SECTORS>>,
+) -> Result<()> {
     let file = |suffix: &str| folder.join(format!("{}{suffix}", frame.name));
     output::write(&file(".pfm"), &output::pfm::encode(map))?;
-    output::write(&file("_picture.png"), &picture::encode(map, range, None)?)
+    let picture = match strip {
+        Some(strip) => picture::encode_with_obstacles(map, range, strip)?,
+        None => picture::encode(map, range, None)?,
+    };
+    output::write(&file("_picture.png"), &picture)
 }
 
 /// The reports of frames that cannot be read, where no frame of the recording can.

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
+use clap::ValueEnum;
 use image::ExtendedColorType;
 use serde::Serialize;
 
@@ -16,9 +17,27 @@ use crate::score::Score;
 use crate::synthetic::{BlankScore, Rendering, Scene};
 use crate::{DisparityMap, Geometry};
 
-/// The cameras that the scene is as if seen by.
-const FOCAL_PX: f64 = 280.0;
+/// Distance of the cameras that the scenes are as if seen by.
 const BASELINE_MM: f64 = 60.0;
+
+/// What is rendered.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum SceneKind {
+    /// A room with a blank wall
+    Room,
+    /// What a rover sees: flat ground and a post at 1.5 m, with the rig of haarline rig new
+    Rover,
+}
+
+impl SceneKind {
+    /// Focal length of the cameras that it is as if seen by.
+    const fn focal_px(self) -> f64 {
+        match self {
+            Self::Room => 280.0,
+            Self::Rover => 200.0,
+        }
+    }
+}
 
 /// Arguments of `haarline demo`.
 #[derive(Debug, clap::Args)]
@@ -26,6 +45,9 @@ pub(super) struct Args {
     /// Where the pictures go; the folder becomes a scene for haarline eval, too
     #[arg(short, long = "output", value_name = "DIR", default_value = "out/demo")]
     output: PathBuf,
+    /// What to render
+    #[arg(long, value_enum, value_name = "SCENE", default_value_t = SceneKind::Room)]
+    scene: SceneKind,
     /// How to match
     #[arg(long, value_enum, default_value_t = MethodKind::BEST)]
     method: MethodKind,
@@ -65,10 +87,15 @@ impl Args {
         let noise = self.noise;
         ensure!((0.0..=255.0).contains(&noise), "--noise {noise}: must be 0 to 255");
         output::prepare_folder("-o", &self.output)?;
-        let scene = Scene { noise, ..Scene::room(self.seed) };
+        let scene = match self.scene {
+            SceneKind::Room => Scene::room(self.seed),
+            SceneKind::Rover => Scene::rover(self.seed),
+        };
+        let (scene, focal_px) = (Scene { noise, ..scene }, self.scene.focal_px());
         let rendering = scene.render();
         let Run { map, elapsed } = pipeline::run(&mut *self.method.build(scene.config())?, &rendering.pair)?;
-        let files = scene_files(&scene, &rendering)?.into_iter().chain(map_files(&scene, &rendering, &map)?);
+        let files = scene_files(&scene, &rendering, focal_px)?;
+        let files = files.into_iter().chain(map_files(&scene, &rendering, &map, focal_px)?);
         let files: Vec<NamedFile> = files.collect();
         for (name, _, bytes) in &files {
             output::write(&self.output.join(name), bytes)?;
@@ -104,7 +131,7 @@ impl Args {
 }
 
 /// The scene in the layout that `haarline eval` reads.
-fn scene_files(scene: &Scene, rendering: &Rendering) -> Result<[NamedFile; 5]> {
+fn scene_files(scene: &Scene, rendering: &Rendering, focal_px: f64) -> Result<[NamedFile; 5]> {
     let (pair, truth) = (&rendering.pair, rendering.textured_truth());
     let size = [scene.width, scene.height];
     let disparity: Vec<u8> = truth.disparity_q8.iter().flat_map(|sample| sample.to_ne_bytes()).collect();
@@ -112,7 +139,7 @@ fn scene_files(scene: &Scene, rendering: &Rendering) -> Result<[NamedFile; 5]> {
     let meta = Meta {
         num_disparities: scene.num_disparities,
         family: "synthetic".to_owned(),
-        focal_px: Some(FOCAL_PX),
+        focal_px: Some(focal_px),
         baseline_mm: Some(BASELINE_MM),
     };
     let meta = serde_json::to_string_pretty(&meta)? + "\n";
@@ -126,8 +153,8 @@ fn scene_files(scene: &Scene, rendering: &Rendering) -> Result<[NamedFile; 5]> {
 }
 
 /// The core's answer, and the truth in the same colours.
-fn map_files(scene: &Scene, rendering: &Rendering, map: &DisparityMap) -> Result<[NamedFile; 6]> {
-    let geometry = Geometry::new(FOCAL_PX, BASELINE_MM)?;
+fn map_files(scene: &Scene, rendering: &Rendering, map: &DisparityMap, focal_px: f64) -> Result<[NamedFile; 6]> {
+    let geometry = Geometry::new(focal_px, BASELINE_MM)?;
     let true_map = rendering.truth.to_map();
     let range = ColourRange::of(&true_map);
     let picture = |map: &DisparityMap| picture::encode(map, &range, Some(&geometry));

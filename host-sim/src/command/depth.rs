@@ -3,17 +3,21 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
-use haarline::{Config, Disparity};
+use haarline::obstacle::MAX_SECTORS;
+use haarline::{Config, Disparity, Offset};
+use haarline_rig::Description;
 use serde::Serialize;
 
-use super::shared::{MethodOptions, MinConfidence, SearchRange};
+use super::shared::{MethodOptions, MinConfidence, RigArg, SearchRange};
 use super::{number, print};
 use crate::disparity_map::{DisparityMap, Spread};
 use crate::method::MethodKind;
+use crate::obstacles::{FrameObstacles, ObstacleFinder};
+use crate::output::obstacle_strip::ObstacleStrip;
 use crate::output::picture::{self, ColourRange};
 use crate::output::{self, MapKind};
 use crate::pipeline::{self, Run};
-use crate::{Frame, Geometry, StereoPair};
+use crate::{Frame, Geometry, StereoPair, rig_file};
 
 /// Arguments of `haarline depth`.
 #[derive(Debug, clap::Args)]
@@ -33,6 +37,11 @@ pub(super) struct Args {
     /// Distance of the two cameras, mm
     #[arg(long, value_name = "B", allow_hyphen_values = true, value_parser = number)]
     baseline_mm: Option<f64>,
+    #[command(flatten)]
+    rig: RigArg,
+    /// Distance to the nearest obstacle in each direction, cm; needs --rig
+    #[arg(long, value_name = "FILE.csv", requires = "rig")]
+    obstacles: Option<PathBuf>,
     /// Disparity file, any number of times: .pfm (px, float, unknown = +inf), .png (16 bits, disparity x
     /// 256, 0 = unknown) or .ply (point cloud in m; needs --focal-px and --baseline-mm)
     #[arg(short, long = "output", value_name = "FILE")]
@@ -85,17 +94,29 @@ struct DepthSummary {
 
 impl Args {
     pub(super) fn run(self) -> Result<()> {
-        let geometry = Geometry::from_options(self.focal_px, self.baseline_mm)?;
+        let rig = self.rig.read(&self.search, [self.focal_px, self.baseline_mm])?;
+        let geometry = match &rig {
+            Some(rig) => Some(Geometry::new(rig.focal_px, rig.baseline_mm)?),
+            None => Geometry::from_options(self.focal_px, self.baseline_mm)?,
+        };
         let (method, min_confidence) = (self.method.get()?, self.min_confidence.get()?);
         let kinds = self.check_outputs(geometry.as_ref())?;
         let pair = StereoPair::read(&self.left, &self.right)?;
-        let config = self.search.config(pair.width() as u16)?;
-        let Run { mut map, elapsed } = pipeline::run(&mut *method.build(config)?, &pair)?;
+        let config = match &rig {
+            Some(rig) => {
+                rig_file::check_size(rig, [pair.width(), pair.height()])?;
+                rig.config()
+            }
+            None => self.search.config(pair.width() as u16)?,
+        };
+        let offset = rig.as_ref().map_or_else(Offset::default, |rig| rig.offset);
+        let Run { mut map, elapsed } = pipeline::run_paired(&mut *method.build(config)?, offset, &pair)?;
         map.drop_below(min_confidence);
+        let obstacles = rig.as_ref().map(|rig| Found::new(rig, &map)).transpose()?;
         if self.fill {
             map.fill_holes();
         }
-        for (path, bytes) in self.files(&kinds, &map, &pair.left, &config, geometry.as_ref())? {
+        for (path, bytes) in self.files(&kinds, &map, &pair.left, &config, geometry.as_ref(), obstacles.as_ref())? {
             output::write(path, &bytes)?;
         }
         let summary = Summary::new(&map, &config, method.kind, elapsed.as_secs_f64() * 1000.0, geometry.as_ref());
@@ -115,7 +136,8 @@ impl Args {
         }
         let maps = self.output.iter().map(|path| ("-o", path.as_path()));
         let mut taken: Vec<PathBuf> = Vec::new();
-        for (option, path) in maps.chain(self.pictures()) {
+        let table = self.obstacles.iter().map(|path| ("--obstacles", path.as_path()));
+        for (option, path) in maps.chain(self.pictures()).chain(table) {
             output::check_writable(option, path)?;
             let same_as = |other: &Path| output::is_same_file(path, other);
             ensure!(
@@ -142,6 +164,7 @@ impl Args {
         left: &Frame,
         config: &Config,
         geometry: Option<&Geometry>,
+        obstacles: Option<&Found>,
     ) -> Result<Vec<(&Path, Vec<u8>)>> {
         let mut files = Vec::new();
         for (path, kind) in self.output.iter().zip(kinds) {
@@ -149,7 +172,15 @@ impl Args {
             files.push((path.as_path(), bytes));
         }
         if let Some(path) = &self.picture {
-            files.push((path, picture::encode(map, &ColourRange::of(map), geometry)?));
+            let range = ColourRange::of(map);
+            let picture = match geometry.zip(obstacles) {
+                Some((geometry, found)) => picture::encode_with_obstacles(map, &range, &found.strip(geometry))?,
+                None => picture::encode(map, &range, geometry)?,
+            };
+            files.push((path, picture));
+        }
+        if let (Some(path), Some(found)) = (&self.obstacles, obstacles) {
+            files.push((path, found.finder.encode_csv(std::slice::from_ref(&found.frame))?));
         }
         if let Some(path) = &self.grey {
             files.push((path, picture::encode_grey(map, config)?));
@@ -158,6 +189,24 @@ impl Args {
             files.push((path, output::encode_grey_png(&map.confidence, [map.width, map.height])?));
         }
         Ok(files)
+    }
+}
+
+/// The obstacles of the frame.
+struct Found {
+    finder: ObstacleFinder,
+    frame: FrameObstacles,
+}
+
+impl Found {
+    fn new(rig: &Description, map: &DisparityMap) -> Result<Self> {
+        let mut finder = ObstacleFinder::new(rig)?;
+        let frame = FrameObstacles { frame: 0, nearest_mm: finder.find(map) };
+        Ok(Self { finder, frame })
+    }
+
+    fn strip<'a>(&'a self, geometry: &'a Geometry) -> ObstacleStrip<'a, MAX_SECTORS> {
+        ObstacleStrip { setup: self.finder.setup(), geometry, nearest_mm: &self.frame.nearest_mm }
     }
 }
 

@@ -7,6 +7,7 @@ mod depth;
 mod eval;
 mod play;
 mod record;
+mod rig;
 mod shared;
 mod study;
 mod twin;
@@ -43,6 +44,8 @@ enum Command {
     Play(play::Args),
     /// A pair or a recording in, the bytes a camera port would store of it out
     Record(record::Args),
+    /// Rig descriptions: what the cameras are like and how they stand
+    Rig(rig::Args),
     /// Scores the method full without one of its parts each: what every part brings
     Ablate(ablate::Args),
     /// The firmware application on an emulated Cortex-M: same bytes, every instruction counted
@@ -111,6 +114,7 @@ impl Cli {
             Command::Demo(args) => args.run()?,
             Command::Play(args) => args.run()?,
             Command::Record(args) => args.run()?,
+            Command::Rig(args) => args.run()?,
             Command::Ablate(args) => args.run()?,
             Command::Twin(args) => args.run()?,
             Command::Study(args) => args.run()?,

@@ -5,16 +5,18 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
 use haarline::Config;
+use haarline_rig::Description;
 use serde::Serialize;
 
 use super::shared::{
-    LayoutKind, MethodOptions, MinConfidence, SearchRange, WiringArgs, layout, progress, warn_skipped,
+    LayoutKind, MethodOptions, MinConfidence, RigArg, SearchRange, WiringArgs, layout, progress, warn_skipped,
 };
 use super::{Finding, print, whole_number};
 use crate::output;
 use crate::playback::{FrameReport, Player, encode_csv, report_damaged};
 use crate::raw_dump::{RawFormat, ViewSize};
 use crate::recording::{FrameRange, RecordedFrame, find_frames, find_raw_frames};
+use crate::rig_file;
 
 /// Arguments of `haarline play`.
 #[derive(Debug, clap::Args)]
@@ -24,7 +26,7 @@ pub(super) struct Args {
     /// with the bytes a camera port stored (--raw)
     recording: PathBuf,
     /// Where everything goes: <frame>.pfm, <frame>_picture.png (the same colours in all of them: the
-    /// searched range), frames.csv
+    /// searched range), frames.csv; with --rig obstacles.csv, the nearest obstacle in each direction, cm
     #[arg(short, long = "output", value_name = "DIR")]
     output: PathBuf,
     /// How the views are stored
@@ -40,6 +42,12 @@ pub(super) struct Args {
     search: SearchRange,
     #[command(flatten)]
     method: MethodOptions,
+    #[command(flatten)]
+    rig: RigArg,
+    /// Writes what a board would send to an autopilot: MAVLink 2, HEARTBEAT each second and OBSTACLE_DISTANCE of
+    /// each frame, as if there were 30 a second; needs --rig
+    #[arg(long, value_name = "FILE", requires = "rig")]
+    mavlink: Option<PathBuf>,
     /// Only these frames, counted from 0 in the order of their names: A..B without B, A.. or ..B
     #[arg(long, value_name = "A..B", allow_hyphen_values = true)]
     frames: Option<FrameRange>,
@@ -71,6 +79,8 @@ struct Summary<'a> {
     mean_noise: Option<f64>,
     mean_milliseconds: Option<f64>,
     damaged_frames: Vec<&'a FrameReport>,
+    #[serde(skip)]
+    has_rig: bool,
 }
 
 impl Args {
@@ -80,7 +90,8 @@ impl Args {
         self.search.config(Config::MAX_WIDTH)?;
         let step = usize::try_from(self.every).ok().filter(|&step| step > 0);
         let step = step.with_context(|| format!("--every {}: must be 1 or more", self.every))?;
-        let frames = self.find_frames()?;
+        let rig = self.rig.read(&self.search, [None; 2])?;
+        let frames = self.find_frames(rig.as_ref())?;
         let recorded = frames.len();
         let range = self.frames.unwrap_or_default();
         let frames = range.choose(frames, step);
@@ -92,14 +103,25 @@ impl Args {
         // The first frame that can be read tells the size of all.
         let size = frames.iter().find_map(|frame| frame.read().ok()).map(|pair| (pair.width() as u16, pair.height()));
         let format = match size {
-            Some((width, height)) => Some((self.search.config(width)?, height)),
+            Some((width, height)) => {
+                if let Some(rig) = &rig {
+                    rig_file::check_size(rig, [width.into(), height])?;
+                }
+                let config = rig.as_ref().map_or_else(|| self.search.config(width), |rig| Ok(rig.config()))?;
+                Some((config, height))
+            }
             None => None,
         };
         self.check_output()?;
         let reports = match format {
             Some((config, height)) => {
                 let mut player = Player::new(method, config, height, min_confidence, &self.output)?;
-                play(&mut player, &frames)?
+                if let Some(rig) = &rig {
+                    player = player.with_rig(rig)?;
+                }
+                let reports = play(&mut player, &frames)?;
+                self.write_obstacles(&player)?;
+                reports
             }
             None => report_damaged(&frames).into_iter().inspect(warn).collect(),
         };
@@ -111,9 +133,22 @@ impl Args {
         Ok(())
     }
 
-    fn find_frames(&self) -> Result<Vec<RecordedFrame>> {
+    fn write_obstacles(&self, player: &Player<'_>) -> Result<()> {
+        let Some((finder, frames)) = player.obstacles() else { return Ok(()) };
+        output::write(&self.output.join("obstacles.csv"), &finder.encode_csv(frames)?)?;
+        if let Some(path) = &self.mavlink {
+            output::write(path, &finder.encode_mavlink(frames))?;
+        }
+        Ok(())
+    }
+
+    fn find_frames(&self, rig: Option<&Description>) -> Result<Vec<RecordedFrame>> {
         if let Some(size) = self.raw {
-            return find_raw_frames(&self.recording, RawFormat { size, wiring: self.wiring.get_required()? });
+            if let Some(rig) = rig {
+                rig_file::check_size(rig, [size.width.into(), size.height.into()])?;
+            }
+            let wiring = self.wiring.get_with(rig)?;
+            return find_raw_frames(&self.recording, RawFormat { size, wiring });
         }
         ensure!(self.wiring.get()?.is_none(), "--wiring: is for raw dumps, add --raw WIDTHxHEIGHT");
         find_frames(&self.recording, layout(self.layout, self.wiring.first, "--first")?)
@@ -128,6 +163,14 @@ impl Args {
                 !output::is_same_file(&folder, &self.output),
                 "-o {}: is a folder of the recording, give another one",
                 self.output.display()
+            );
+        }
+        if let Some(path) = &self.mavlink {
+            output::check_writable("--mavlink", path)?;
+            ensure!(
+                !output::is_same_file(path, &self.recording),
+                "--mavlink {}: is the recording, give another name",
+                path.display()
             );
         }
         output::prepare_folder("-o", &self.output)
@@ -158,6 +201,7 @@ impl Args {
             mean_noise: mean(&of(|report| report.noise)),
             mean_milliseconds: mean(&of(|report| report.milliseconds)),
             damaged_frames,
+            has_rig: self.rig.is_given() && config.is_some(),
         }
     }
 }
@@ -198,7 +242,8 @@ impl Summary<'_> {
             let _ = write!(text, ", noise {noise:.1} grey levels");
         }
         let folder = self.folder.display();
-        text + &format!("\nin {folder}: <frame>.pfm, <frame>_picture.png, frames.csv\n")
+        let obstacles = if self.has_rig { ", obstacles.csv" } else { "" };
+        text + &format!("\nin {folder}: <frame>.pfm, <frame>_picture.png, frames.csv{obstacles}\n")
     }
 }
 

@@ -9,6 +9,7 @@ use clap::ValueEnum;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use haarline::wiring::{First, Kind, Skew};
 use haarline::{Config, ContourSettings, Scales, Wiring};
+use haarline_rig::Description;
 use indicatif::{ProgressBar, ProgressState, ProgressStyle};
 
 use super::{print, whole_number};
@@ -17,6 +18,7 @@ use crate::method::{Method, MethodKind, check_config};
 use crate::output;
 use crate::recording::{Layout, Side};
 use crate::scene::find_scenes;
+use crate::{Geometry, rig_file};
 
 /// The search range.
 #[derive(Debug, clap::Args)]
@@ -24,9 +26,9 @@ pub(super) struct SearchRange {
     /// How many whole disparities to search, 1 to 256 [default: a quarter of the width, up to a multiple of 16]
     #[arg(long, value_name = "N", allow_hyphen_values = true, value_parser = whole_number)]
     num_disparities: Option<i64>,
-    /// Least disparity to search, px, -128 to 128
-    #[arg(long, value_name = "M", default_value_t = 0, allow_hyphen_values = true, value_parser = whole_number)]
-    min_disparity: i64,
+    /// Least disparity to search, px, -128 to 128 [default: 0]
+    #[arg(long, value_name = "M", allow_hyphen_values = true, value_parser = whole_number)]
+    min_disparity: Option<i64>,
 }
 
 impl SearchRange {
@@ -37,13 +39,52 @@ impl SearchRange {
         let num_disparities = u16::try_from(asked);
         let num_disparities =
             num_disparities.ok().with_context(|| format!("--num-disparities {asked}: must be 1 to 256"))?;
-        let asked = self.min_disparity;
+        let asked = self.min_disparity.unwrap_or(0);
         let min_disparity = i16::try_from(asked);
         let min_disparity =
             min_disparity.ok().with_context(|| format!("--min-disparity {asked}: must be -128 to 128 px"))?;
         let config = Config { width, min_disparity, num_disparities };
         check_config(&config, "--num-disparities")?;
         Ok(config)
+    }
+
+    /// The same, with the rig's values where nothing was told.
+    fn or(&self, rig: &Description) -> Self {
+        let num_disparities = self.num_disparities.unwrap_or_else(|| rig.num_disparities.into());
+        let min_disparity = self.min_disparity.unwrap_or_else(|| rig.min_disparity.into());
+        Self { num_disparities: Some(num_disparities), min_disparity: Some(min_disparity) }
+    }
+}
+
+/// The rig.
+#[derive(Debug, clap::Args)]
+pub(super) struct RigArg {
+    /// Rig description (see haarline rig new): its search range, focal length, baseline, offsets and, for raw
+    /// dumps, wiring hold where no option tells otherwise; obstacles are looked for
+    #[arg(long, value_name = "FILE")]
+    rig: Option<PathBuf>,
+}
+
+impl RigArg {
+    /// Whether there is one.
+    pub(super) fn is_given(&self) -> bool {
+        self.rig.is_some()
+    }
+
+    /// The description, if there is one, with the search range, focal length in px and baseline in mm of the
+    /// options where these tell some.
+    pub(super) fn read(&self, search: &SearchRange, geometry: [Option<f64>; 2]) -> Result<Option<Description>> {
+        let Some(path) = &self.rig else { return Ok(None) };
+        let mut rig = rig_file::read(path)?;
+        let config = search.or(&rig).config(rig.width)?;
+        (rig.min_disparity, rig.num_disparities) = (config.min_disparity, config.num_disparities);
+        let [focal_px, baseline_mm] = geometry;
+        rig.focal_px = focal_px.unwrap_or(rig.focal_px);
+        rig.baseline_mm = baseline_mm.unwrap_or(rig.baseline_mm);
+        // Refuses what is not positive, in the options' words.
+        Geometry::new(rig.focal_px, rig.baseline_mm)?;
+        rig.check().with_context(|| path.display().to_string())?;
+        Ok(Some(rig))
     }
 }
 
@@ -190,6 +231,20 @@ impl WiringArgs {
             Side::Right => First::Right,
         });
         Ok(Some(Wiring { kind, first, skew }))
+    }
+
+    /// The wiring with the rig's values where nothing was told. One or the other must tell the kind. The rig's
+    /// skew goes with its kind: another one has none.
+    pub(super) fn get_with(&self, rig: Option<&Description>) -> Result<Wiring> {
+        let Some(Wiring { kind, first, skew }) = rig.map(|rig| rig.wiring) else { return self.get_required() };
+        let first = match first {
+            First::Left => Side::Left,
+            First::Right => Side::Right,
+        };
+        let skew = self.wiring.is_none_or(|asked| asked == kind).then_some(skew);
+        let merged =
+            Self { wiring: self.wiring.or(Some(kind)), first: self.first.or(Some(first)), skew: self.skew.or(skew) };
+        merged.get_required()
     }
 
     /// The wiring, which must be told.

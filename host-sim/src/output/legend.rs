@@ -10,8 +10,8 @@ use image::{Rgb, RgbImage};
 use super::picture::{ColourRange, unknown_colour};
 use crate::Geometry;
 
-const BACKGROUND: Rgb<u8> = Rgb([18, 18, 22]);
-const INK: Rgb888 = Rgb888::new(225, 225, 225);
+pub(super) const BACKGROUND: Rgb<u8> = Rgb([18, 18, 22]);
+pub(super) const INK: Rgb888 = Rgb888::new(225, 225, 225);
 /// Space around the bar, px.
 const MARGIN: u32 = 10;
 const BAR_WIDTH: u32 = 14;
@@ -88,10 +88,10 @@ fn label(disparity_px: f64, geometry: Option<&Geometry>) -> String {
 }
 
 /// Lets the text of embedded-graphics draw on an image.
-struct Canvas(RgbImage);
+pub(super) struct Canvas(pub(super) RgbImage);
 
 impl Canvas {
-    fn write(&mut self, text: &str, left: u32, middle: u32) {
+    pub(super) fn write(&mut self, text: &str, left: u32, middle: u32) {
         let style = TextStyleBuilder::new().alignment(Alignment::Left).baseline(Baseline::Middle).build();
         let position = Point::new(left as i32, middle as i32);
         let Ok(_) = Text::with_text_style(text, position, MonoTextStyle::new(&FONT_6X10, INK), style).draw(self);

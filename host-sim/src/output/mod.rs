@@ -3,6 +3,7 @@
 
 pub mod kitti_png;
 mod legend;
+pub mod obstacle_strip;
 pub mod pfm;
 pub mod picture;
 pub mod ply;

@@ -4,6 +4,7 @@ use anyhow::Result;
 use haarline::{Config, Disparity};
 use image::{ExtendedColorType, Rgb, RgbImage};
 
+use super::obstacle_strip::ObstacleStrip;
 use super::{encode_png, legend};
 use crate::disparity_map::px;
 use crate::{DisparityMap, Geometry};
@@ -55,6 +56,21 @@ pub(super) fn unknown_colour(x: u32, y: u32) -> Rgb<u8> {
 /// If the encoder fails.
 pub fn encode(map: &DisparityMap, range: &ColourRange, geometry: Option<&Geometry>) -> Result<Vec<u8>> {
     let picture = draw(map, range, geometry);
+    let size = [picture.width() as usize, picture.height() as usize];
+    encode_png(picture.as_raw(), size, ExtendedColorType::Rgb8)
+}
+
+/// The map in colours with a legend, and a strip of obstacles below it, as a PNG.
+///
+/// # Errors
+/// If the encoder fails.
+pub fn encode_with_obstacles<const SECTORS: usize>(
+    map: &DisparityMap,
+    range: &ColourRange,
+    strip: &ObstacleStrip<'_, SECTORS>,
+) -> Result<Vec<u8>> {
+    let picture = draw(map, range, Some(strip.geometry));
+    let picture = strip.below(&picture, [map.width as u32, map.height as u32], range);
     let size = [picture.width() as usize, picture.height() as usize];
     encode_png(picture.as_raw(), size, ExtendedColorType::Rgb8)
 }

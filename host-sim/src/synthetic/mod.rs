@@ -153,6 +153,23 @@ impl Scene {
         Self { width: 320, height: 240, num_disparities: 48, layers, noise: 1.5, seed }
     }
 
+    /// What a rover sees with the rig of [`haarline_rig::template`], 200 px and 60 mm, level and 300 mm over
+    /// the ground: flat ground, straight ahead at 1.5 m a post 100 mm wide and 600 mm high, and a wall at 6 m.
+    #[must_use]
+    pub fn rover(seed: u64) -> Self {
+        let layer = |shape, disparity, texture| Layer { shape, disparity, texture };
+        let everything = [-400.0, 720.0];
+        // 60 mm / 300 mm for each row below the middle one.
+        let ground = Slope { at_origin: -0.2 * 119.5, per_column: 0.0, per_row: 0.2 };
+        let post = Shape::Rectangle { columns: [152.8, 166.2], rows: [79.5, 159.5] };
+        let layers = vec![
+            layer(Shape::Everywhere, Slope::facing(2.0), Texture::new(0, 150.0, 70.0)),
+            layer(Shape::Rectangle { columns: everything, rows: [121.0, 400.0] }, ground, Texture::new(1, 96.0, 70.0)),
+            layer(post, Slope::facing(8.0), Texture::new(2, 120.0, 90.0)),
+        ];
+        Self { width: 320, height: 240, num_disparities: 48, layers, noise: 1.5, seed }
+    }
+
     /// How a method is to be configured for this scene.
     #[must_use]
     pub fn config(&self) -> Config {

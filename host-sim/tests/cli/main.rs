@@ -14,6 +14,7 @@ mod depth;
 mod eval;
 mod files;
 mod record;
+mod rig;
 mod scene;
 mod study;
 mod tool;

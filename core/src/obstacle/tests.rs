@@ -1,0 +1,238 @@
+extern crate std;
+
+use super::*;
+use crate::{Depth, Disparity};
+use proptest::prelude::*;
+use std::vec::Vec;
+
+const WIDTH: usize = 160;
+const HEIGHT: u16 = 120;
+const SECTORS: usize = 9;
+const SIZE_PX: [u16; 2] = [160, HEIGHT];
+
+type Finder = Obstacles<SECTORS, { blocks_for(160) }>;
+
+/// 100 px, 60 mm: 77 degrees wide.
+fn rig() -> Rig {
+    Rig::new(100 << 8, 60_000).unwrap()
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "small figures of a test")]
+fn mounting(height_mm: i32, pitch_deg: f64) -> Mounting {
+    let (sin, cos) = pitch_deg.to_radians().sin_cos();
+    let q14 = |value: f64| (value * 16384.0).round() as i16;
+    Mounting { height_mm, sin_pitch_q14: q14(sin), cos_pitch_q14: q14(cos), lowest_mm: 60, highest_mm: 500 }
+}
+
+/// `N` sectors of which the first `count` are 10 degrees each, the middle one straight ahead.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "small figures of a test")]
+fn sectors<const N: usize>(count: u8) -> Sectors<N> {
+    let left = |i: u8| (f64::from(i) * 10.0 - f64::from(count) * 5.0).to_radians();
+    let mut sectors = Sectors { count: count.into(), left_q16: [0; N], right_q16: 0, secant_q14: [0; N] };
+    for ((i, border), secant) in (0..count).zip(&mut sectors.left_q16).zip(&mut sectors.secant_q14) {
+        *border = (left(i).tan() * 65536.0).round() as i32;
+        *secant = (16384.0 / ((left(i) + left(i + 1)) / 2.0).cos()).round() as u32;
+    }
+    sectors.right_q16 = (left(count).tan() * 65536.0).round() as i32;
+    sectors
+}
+
+fn finder(mounting: Mounting) -> Finder {
+    Obstacles::new(SIZE_PX, rig(), mounting, sectors(9), Settings::DEFAULT).unwrap()
+}
+
+type Map = Vec<[Disparity; WIDTH]>;
+
+fn map(mut disparity: impl FnMut(usize, usize) -> Option<f64>) -> Map {
+    #[expect(clippy::cast_possible_truncation, reason = "disparities of a test")]
+    let bits = |px: f64| Disparity::from_bits((px * 16.0).round() as i16);
+    let mut pixel = |x, y| disparity(x, y).map_or(Disparity::UNKNOWN, bits);
+    (0..usize::from(HEIGHT)).map(|y| std::array::from_fn(|x| pixel(x, y))).collect()
+}
+
+fn find<const S: usize, const B: usize>(finder: &mut Obstacles<S, B>, map: &Map) -> Vec<Option<u32>> {
+    for (y, disparity) in (0..).zip(map) {
+        finder.push(&DisparityRow { y, disparity, confidence: &[200; WIDTH] });
+    }
+    finder.nearest_mm().collect()
+}
+
+/// Disparity of the ground in row `y`, px: focal length x baseline / depth, where the ray meets the ground.
+fn ground(mounting: &Mounting, y: usize) -> Option<f64> {
+    let (sin, cos) = (f64::from(mounting.sin_pitch_q14) / 16384.0, f64::from(mounting.cos_pitch_q14) / 16384.0);
+    let rise = sin - (f64::from(u32::try_from(y).unwrap()) - 59.5) / 100.0 * cos;
+    (rise < 0.0).then(|| 100.0 * 60.0 * -rise / f64::from(mounting.height_mm))
+}
+
+#[test]
+fn a_wall_is_an_obstacle_in_every_sector_at_its_range() {
+    let found = find(&mut finder(mounting(300, 0.0)), &map(|_, _| Some(4.0)));
+    let middle = |i: usize| (f64::from(u8::try_from(i).unwrap()) * 10.0 - 40.0).to_radians().cos();
+    for (i, range) in found.into_iter().enumerate() {
+        let (range, wanted) = (f64::from(range.unwrap()), 1500.0 / middle(i));
+        assert!((range - wanted).abs() < 2.0, "sector {i}: {range} mm for {wanted}");
+    }
+}
+
+#[test]
+fn what_is_unknown_uncertain_or_infinitely_far_is_no_obstacle() {
+    let mut finder = finder(mounting(300, 0.0));
+    let unknown = [None; SECTORS];
+    assert_eq!(find(&mut finder, &map(|_, _| None)), unknown);
+    assert_eq!(find(&mut finder, &map(|_, _| Some(0.0))), unknown);
+    assert_eq!(find(&mut finder, &map(|_, _| Some(-3.0))), unknown);
+    for y in 0..u32::from(HEIGHT) {
+        finder.push(&DisparityRow { y, disparity: &[Disparity::from_px(4); WIDTH], confidence: &[63; WIDTH] });
+    }
+    assert!(finder.nearest_mm().all(|mm| mm.is_none()));
+}
+
+#[test]
+fn only_what_lies_in_the_band_of_heights_is_in_the_way() {
+    // At 1.5 m a row is 15 mm; the camera is 300 mm high in row 59.5.
+    for (rows, is_obstacle) in [(0..40, false), (48..60, true), (60..72, true), (80..120, false)] {
+        let seen = map(|x, y| (rows.contains(&y) && (70..90).contains(&x)).then_some(4.0));
+        let found = find(&mut finder(mounting(300, 0.0)), &seen);
+        assert_eq!(found[4].is_some(), is_obstacle, "rows {rows:?}: {found:?}");
+        assert!(found[..3].iter().chain(&found[6..]).all(Option::is_none));
+    }
+}
+
+#[test]
+fn fewer_blocks_than_must_agree_are_not_believed() {
+    let box_of = |columns: usize, rows: usize, px: f64| {
+        let seen = map(move |x, y| {
+            let inside = (76..76 + 4 * columns).contains(&x) && (52..52 + 4 * rows).contains(&y);
+            if inside { Some(px) } else { Some(2.0) }
+        });
+        find(&mut finder(mounting(300, 0.0)), &seen)[4].unwrap()
+    };
+    assert_eq!([box_of(1, 1, 9.0), box_of(1, 3, 9.0), box_of(3, 1, 9.0)], [3000; 3]);
+    assert_eq!([box_of(1, 4, 10.0), box_of(3, 2, 10.0), box_of(2, 3, 10.0)], [600; 3]);
+}
+
+#[test]
+fn a_pitched_camera_sees_the_same_ground_and_the_same_post() {
+    for pitch in [-20.0, -10.0, 0.0, 8.0_f64] {
+        let mounting = mounting(300, pitch);
+        let (sin, cos) = pitch.to_radians().sin_cos();
+        let post = |y: usize| {
+            let v = (f64::from(u32::try_from(y).unwrap()) - 59.5) / 100.0;
+            // Ahead is 1.5 m = depth (cos + v sin); height is 300 mm + depth (sin - v cos).
+            let depth = 1500.0 / (cos + v * sin);
+            (0.0..400.0).contains(&(300.0 + depth * (sin - v * cos))).then_some(6000.0 / depth)
+        };
+        let seen = map(|x, y| post(y).filter(|_| (74..86).contains(&x)).or_else(|| ground(&mounting, y)));
+        let found = find(&mut finder(mounting), &seen);
+        let middle = found[4].unwrap();
+        assert!((1480..1520).contains(&middle), "{pitch} degrees: {found:?}");
+        assert_eq!(found.iter().filter(|mm| mm.is_some()).count(), 1, "{pitch} degrees: {found:?}");
+    }
+}
+
+#[test]
+fn what_it_keeps_is_small() {
+    assert!(size_of::<Obstacles<17, { blocks_for(320) }>>() <= 1024);
+}
+
+#[test]
+fn arguments_are_held_to_their_ranges() {
+    let level = mounting(300, 0.0);
+    let new = |size, rig, mounting, sectors: Sectors<3>| {
+        Obstacles::<3, { blocks_for(64) }>::new(size, rig, mounting, sectors, Settings::DEFAULT).map(|_| ())
+    };
+    let (size, three) = ([64, 48], sectors::<3>(3));
+    assert_eq!(new(size, rig(), level, three), Ok(()));
+    assert_eq!(new([68, 48], rig(), level, three), Err(ObstacleError::Capacity { max_width: 64 }));
+    assert_eq!(new([31, 48], rig(), level, three), Err(ObstacleError::Size));
+    assert_eq!(new([64, 4097], rig(), level, three), Err(ObstacleError::Size));
+    assert_eq!(new(size, Rig::new(u32::MAX, 1).unwrap(), level, three), Err(ObstacleError::Rig));
+    for wrong in [
+        Mounting { lowest_mm: 500, ..level },
+        Mounting { height_mm: 20_001, ..level },
+        Mounting { cos_pitch_q14: 0, ..level },
+        Mounting { sin_pitch_q14: i16::MIN, ..level },
+    ] {
+        assert_eq!(new(size, rig(), wrong, three), Err(ObstacleError::Mounting), "{wrong:?}");
+    }
+    for wrong in [
+        Sectors { count: 0, ..three },
+        Sectors { count: 4, ..three },
+        Sectors { right_q16: three.left_q16[2], ..three },
+        Sectors { left_q16: [0, 0, 1], ..three },
+        Sectors { secant_q14: [0; 3], ..three },
+    ] {
+        assert_eq!(new(size, rig(), level, wrong), Err(ObstacleError::Sectors), "{wrong:?}");
+    }
+}
+
+/// Any map of blocks whose disparities come from a few values, so that they often agree.
+fn any_map() -> impl Strategy<Value = Map> {
+    prop::collection::vec(prop::sample::select(&[-1_i16, 5, 40, 50, 64, 70, 200][..]), 40 * 30).prop_map(|blocks| {
+        let pixel = |x: usize, y: usize| match blocks[y / 4 * 40 + x / 4] {
+            -1 => Disparity::UNKNOWN,
+            bits => Disparity::from_bits(bits),
+        };
+        (0..usize::from(HEIGHT)).map(|y| std::array::from_fn(|x| pixel(x, y))).collect()
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    #[test]
+    fn the_ground_is_no_obstacle_whatever_the_camera(
+        height_mm in 100..2000_i32, pitch in -40.0..20.0_f64, noise in prop::collection::vec(-0.4..0.4_f64, 30 * 40),
+    ) {
+        let mounting = mounting(height_mm, pitch);
+        let seen = map(|x, y| ground(&mounting, y).map(|px| px + noise[y / 4 * 40 + x / 4]));
+        prop_assert_eq!(find(&mut finder(mounting), &seen), [None; SECTORS]);
+    }
+
+    #[test]
+    fn a_row_holds_the_disparities_whose_height_is_in_the_band(
+        height_mm in 0..2000_i32, pitch in -60.0..60.0_f64, y in 0..u32::from(HEIGHT), bits in 1..=i16::MAX,
+        (lowest_mm, highest_mm) in (-500..1500_i32, 1..1500_i32).prop_map(|(low, band)| (low, low + band)),
+    ) {
+        let mounting = Mounting { lowest_mm, highest_mm, ..mounting(height_mm, pitch) };
+        let camera = Camera::new(SIZE_PX, rig(), mounting).unwrap();
+        let (sin, cos) = (f64::from(mounting.sin_pitch_q14) / 16384.0, f64::from(mounting.cos_pitch_q14) / 16384.0);
+        let below = (f64::from(y) - 59.5) / 100.0;
+        let (depth, ahead) = (96_000.0 / f64::from(bits), cos + below * sin);
+        let over_ground = f64::from(height_mm) + depth * (sin - below * cos);
+        let Some(lane) = camera.lane(y, 0) else {
+            prop_assert!(ahead < 1e-6);
+            return Ok(());
+        };
+        // But for heights on the very border.
+        if (over_ground - f64::from(lowest_mm)).abs() > 1e-6 && (over_ground - f64::from(highest_mm)).abs() > 1e-6 {
+            let is_in_band = (f64::from(lowest_mm)..f64::from(highest_mm)).contains(&over_ground);
+            prop_assert_eq!(lane.holds(bits), is_in_band, "{} mm over the ground", over_ground);
+        }
+        prop_assert!((f64::from(lane.range_mm(bits, 1 << 14)) - depth * ahead).abs() < 1.0 + depth * 1e-5);
+        if let Depth::Millimetres(mm) = rig().depth(Disparity::from_bits(bits)) {
+            prop_assert!((f64::from(mm) - depth).abs() <= 0.5);
+        }
+    }
+
+    #[test]
+    fn neither_capacity_nor_the_frame_before_changes_anything(seen in any_map(), before in any_map()) {
+        let level = mounting(300, -5.0);
+        let mut exact = finder(level);
+        let mut roomy = Obstacles::<72, 100>::new(SIZE_PX, rig(), level, sectors(9), Settings::DEFAULT).unwrap();
+        let expected = find(&mut exact, &seen);
+        prop_assert_eq!(&find(&mut roomy, &seen), &expected);
+        // The frame before ends in its middle.
+        find(&mut exact, &before[..70].to_vec());
+        prop_assert_eq!(&find(&mut exact, &seen), &expected);
+    }
+
+    #[test]
+    fn what_is_reported_is_no_nearer_than_what_is_there(seen in any_map()) {
+        let nearest = seen.iter().flatten().filter_map(|d| d.known()).max().unwrap_or(1);
+        let least_mm = 96_000.0 / f64::from(nearest);
+        for mm in find(&mut finder(mounting(300, 0.0)), &seen).into_iter().flatten() {
+            prop_assert!(f64::from(mm) > least_mm - 1.0);
+        }
+    }
+}

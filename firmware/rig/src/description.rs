@@ -1,0 +1,379 @@
+//! A rig description, read and checked.
+
+use haarline::obstacle::{MAX_SECTORS, Mounting, Sectors};
+use haarline::setup::Reach;
+use haarline::wiring::{First, Kind, Skew};
+use haarline::{Config, Offset, Rig, Setup, Wiring};
+
+use crate::RigError;
+use crate::field::Values;
+
+/// Widest view, degrees: beyond, no lens is rectified to a plane.
+const MAX_VIEW_DEG: f64 = 150.0;
+/// Greatest bearing that a border or a middle of a sector is given, degrees.
+const MAX_BEARING_DEG: f64 = 85.0;
+/// Greatest distance that a message can tell, cm.
+const MAX_CM: f64 = 65_533.0;
+
+/// A pair of cameras and how it stands.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Description {
+    /// How the two cameras share the port.
+    pub wiring: Wiring,
+    /// Columns of one view, px.
+    pub width: u16,
+    /// Rows of one view, px.
+    pub height: u16,
+    /// How far the right view is displaced, px.
+    pub offset: Offset,
+    /// Focal length, px.
+    pub focal_px: f64,
+    /// Distance of the cameras, mm.
+    pub baseline_mm: f64,
+    /// Least disparity searched, px.
+    pub min_disparity: i16,
+    /// Number of disparities searched.
+    pub num_disparities: u16,
+    /// Height of the cameras over the ground, mm.
+    pub camera_height_mm: i32,
+    /// Pitch of the cameras, degrees; upwards is positive.
+    pub pitch_deg: f64,
+    /// Least height over the ground that is in the way, mm.
+    pub lowest_mm: i32,
+    /// Greatest height over the ground that is in the way, mm.
+    pub highest_mm: i32,
+    /// Angle of a sector, degrees.
+    pub sector_deg: u8,
+}
+
+impl Description {
+    /// Reads the text of a `rig.toml`.
+    ///
+    /// # Errors
+    /// If it is no TOML, has an unknown field, or one that is missing or out of its range, or fields that do
+    /// not go together.
+    pub fn parse(text: &str) -> Result<Self, RigError> {
+        let values = Values::parse(text)?;
+        let (kind, first, skew) = (values.word("wiring"), values.word("first"), values.word("skew"));
+        let wiring = Wiring {
+            kind: Kind::from_name(kind).ok_or_else(|| format!("wiring = {kind:?}: no such wiring"))?,
+            first: First::from_name(first).unwrap_or_default(),
+            skew: Skew::from_name(skew).unwrap_or_default(),
+        };
+        let description = Self {
+            wiring,
+            width: values.whole("width"),
+            height: values.whole("height"),
+            offset: Offset { rows: values.whole("row_offset"), columns: values.whole("column_offset") },
+            focal_px: values.real("focal_px"),
+            baseline_mm: values.real("baseline_mm"),
+            min_disparity: values.whole("min_disparity"),
+            num_disparities: values.whole("num_disparities"),
+            camera_height_mm: values.whole("camera_height_mm"),
+            pitch_deg: values.real("pitch_deg"),
+            lowest_mm: values.whole("lowest_mm"),
+            highest_mm: values.whole("highest_mm"),
+            sector_deg: values.whole("sector_deg"),
+        };
+        description.check()?;
+        Ok(description)
+    }
+
+    /// Checks what several fields must fulfil together.
+    ///
+    /// # Errors
+    /// Names the fields.
+    pub fn check(&self) -> Result<(), RigError> {
+        let Self { width, focal_px, lowest_mm, highest_mm, sector_deg, .. } = *self;
+        let refuse = |words: String| Err(RigError::from(words));
+        if self.wiring.skew != Skew::None && self.wiring.kind != Kind::PixelInterleaved {
+            let skew = self.wiring.skew.name();
+            return refuse(format!("skew = {skew:?}: is for wiring = \"pixel\" only, no other one has a skew"));
+        }
+        if self.num_disparities > width {
+            let num = self.num_disparities;
+            return refuse(format!("num_disparities = {num}: must not exceed the width, {width} px"));
+        }
+        if lowest_mm >= highest_mm {
+            return refuse(format!("lowest_mm = {lowest_mm}: must be under highest_mm, {highest_mm} mm"));
+        }
+        if self.max_disparity() < 1 {
+            let (min, max) = (self.min_disparity, self.max_disparity());
+            return refuse(format!(
+                "min_disparity = {min}, num_disparities = {}: {min} to {max} px holds no finite distance; must reach 1 px",
+                self.num_disparities
+            ));
+        }
+        let view = self.view_deg()[0];
+        if view > MAX_VIEW_DEG {
+            return refuse(format!(
+                "focal_px = {focal_px}: with width = {width} px the view would be {view:.0} degrees wide; must be {:.0} px or more",
+                (f64::from(width) / 2.0 / (MAX_VIEW_DEG / 2.0).to_radians().tan()).ceil()
+            ));
+        }
+        let sectors = self.sector_count();
+        if sectors > MAX_SECTORS {
+            return refuse(format!(
+                "sector_deg = {sector_deg}: makes {sectors} sectors of a view of {view:.0} degrees, and there may be {MAX_SECTORS}; must be {:.0} or more",
+                (view / 71.0).ceil()
+            ));
+        }
+        Ok(())
+    }
+
+    /// Width of a row and range of the search.
+    #[must_use]
+    pub const fn config(&self) -> Config {
+        Config { width: self.width, min_disparity: self.min_disparity, num_disparities: self.num_disparities }
+    }
+
+    /// Greatest whole disparity searched, px.
+    #[must_use]
+    pub fn max_disparity(&self) -> i32 {
+        i32::from(self.min_disparity) + i32::from(self.num_disparities) - 1
+    }
+
+    /// Angles that one view spans across and down, degrees.
+    #[must_use]
+    pub fn view_deg(&self) -> [f64; 2] {
+        [self.width, self.height].map(|px| 2.0 * (f64::from(px) / 2.0 / self.focal_px).atan().to_degrees())
+    }
+
+    /// How many sectors cover the view, the middle one straight ahead.
+    #[must_use]
+    pub fn sector_count(&self) -> usize {
+        let beside = (self.view_deg()[0] / 2.0 / f64::from(self.sector_deg) - 0.5).ceil().max(0.0);
+        (1..).step_by(2).find(|&count| f64::from(count / 2) >= beside).map_or(1, |count: u16| count.into())
+    }
+
+    /// Bearings of the sectors' middles, degrees clockwise from straight ahead.
+    pub fn bearings_deg(&self) -> impl Iterator<Item = i16> + use<> {
+        let step = i16::from(self.sector_deg);
+        (0..self.sector_count()).scan(self.first_deg() - step, move |bearing, _| {
+            *bearing += step;
+            Some(*bearing)
+        })
+    }
+
+    fn first_deg(&self) -> i16 {
+        let beside = i16::try_from(self.sector_count() / 2).unwrap_or(0);
+        -beside * i16::from(self.sector_deg)
+    }
+
+    /// Depth of a disparity, mm.
+    #[must_use]
+    pub fn depth_mm(&self, disparity_px: f64) -> f64 {
+        self.focal_px * self.baseline_mm / disparity_px
+    }
+
+    /// Least and greatest finite depth that whole disparities of the search have, mm.
+    #[must_use]
+    pub fn depths_mm(&self) -> [f64; 2] {
+        [f64::from(self.max_disparity()), f64::from(self.min_disparity.max(1))].map(|px| self.depth_mm(px))
+    }
+
+    /// What the core works with. `SECTORS` is the capacity, [`Description::sector_count`] or more.
+    ///
+    /// # Errors
+    /// If the fields do not go together, or there are more sectors than `SECTORS`.
+    pub fn setup<const SECTORS: usize>(&self) -> Result<Setup<SECTORS>, RigError> {
+        self.check()?;
+        let rig = Rig::new(steps(self.focal_px, 256.0), steps(self.baseline_mm, 1000.0));
+        let rig = rig.ok_or_else(|| RigError::from("focal_px, baseline_mm: must be positive".to_owned()))?;
+        let (sin, cos) = self.pitch_deg.to_radians().sin_cos();
+        let mounting = Mounting {
+            height_mm: self.camera_height_mm,
+            sin_pitch_q14: q14(sin),
+            cos_pitch_q14: q14(cos),
+            lowest_mm: self.lowest_mm,
+            highest_mm: self.highest_mm,
+        };
+        Ok(Setup {
+            config: self.config(),
+            height: self.height,
+            wiring: self.wiring,
+            offset: self.offset,
+            rig,
+            mounting,
+            sectors: self.sectors()?,
+            reach: self.reach(),
+        })
+    }
+
+    fn sectors<const SECTORS: usize>(&self) -> Result<Sectors<SECTORS>, RigError> {
+        let count = self.sector_count();
+        if count > SECTORS {
+            return Err(format!("sector_deg: makes {count} sectors, and there is room for {SECTORS}").into());
+        }
+        let half = f64::from(self.sector_deg) / 2.0;
+        let bearing = |degrees: f64| degrees.clamp(-MAX_BEARING_DEG, MAX_BEARING_DEG).to_radians();
+        let mut sectors = Sectors { count, left_q16: [0; SECTORS], right_q16: 0, secant_q14: [0; SECTORS] };
+        for ((middle, left), secant) in self.bearings_deg().zip(&mut sectors.left_q16).zip(&mut sectors.secant_q14) {
+            let middle = f64::from(middle);
+            *left = q16(bearing(middle - half).tan());
+            *secant = steps(1.0 / bearing(middle).cos(), 16_384.0);
+            sectors.right_q16 = q16(bearing(middle + half).tan());
+        }
+        Ok(sectors)
+    }
+
+    fn reach(&self) -> Reach {
+        let cm = |mm: f64| to_u16((mm / 10.0).clamp(1.0, MAX_CM));
+        let [nearest, farthest] = self.depths_mm().map(cm);
+        Reach { sector_deg: self.sector_deg, first_deg: self.first_deg(), nearest_cm: nearest, farthest_cm: farthest }
+    }
+}
+
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped by the caller")]
+fn to_u16(value: f64) -> u16 {
+    value.floor() as u16
+}
+
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "fields are in range")]
+fn steps(value: f64, scale: f64) -> u32 {
+    (value * scale).round() as u32
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "a sine or cosine")]
+fn q14(value: f64) -> i16 {
+    (value * 16_384.0).round() as i16
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "a tangent of at most 85 degrees")]
+fn q16(value: f64) -> i32 {
+    (value * 65_536.0).round() as i32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::template;
+    use haarline::obstacle::{Obstacles, Settings};
+
+    /// The template with some lines replaced.
+    fn with(changes: &[(&str, &str)]) -> String {
+        let line = |line: &str| {
+            let key = line.split(" = ").next().unwrap_or_default();
+            let change = changes.iter().find(|(name, _)| *name == key);
+            change.map_or_else(|| line.to_owned(), |(name, value)| format!("{name} = {value}"))
+        };
+        template().lines().map(line).collect::<Vec<_>>().join("\n")
+    }
+
+    fn parse(changes: &[(&str, &str)]) -> Result<Description, String> {
+        Description::parse(&with(changes)).map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn the_template_is_a_valid_description() {
+        let description = parse(&[]).unwrap();
+        assert_eq!(description.wiring, Wiring::new(Kind::PixelInterleaved, First::Left));
+        assert_eq!((description.width, description.height, description.num_disparities), (320, 240, 48));
+        assert_eq!((description.focal_px, description.baseline_mm), (200.0, 60.0));
+    }
+
+    #[test]
+    fn every_field_out_of_its_range_is_told_with_range_and_unit() {
+        let cases = [
+            ("wiring", "\"frame\"", "one of \"pixel\", \"line\", \"side-by-side\", \"nibble\", \"pairs16\""),
+            ("first", "\"middle\"", "one of \"left\", \"right\""),
+            ("skew", "1", "one of \"none\", \"left\", \"right\""),
+            ("width", "31", "a whole number, 32 to 1280 px"),
+            ("height", "4097", "a whole number, 8 to 4096 px"),
+            ("row_offset", "-17", "a whole number, -16 to 16 px"),
+            ("column_offset", "129", "a whole number, -128 to 128 px"),
+            ("focal_px", "nan", "10 to 10000 px"),
+            ("baseline_mm", "0", "1 to 10000 mm"),
+            ("min_disparity", "1.5", "a whole number, -128 to 128 px"),
+            ("num_disparities", "0", "a whole number, 1 to 256 px"),
+            ("camera_height_mm", "-1", "a whole number, 0 to 10000 mm"),
+            ("pitch_deg", "61", "-60 to 60 degrees"),
+            ("lowest_mm", "\"0\"", "a whole number, -10000 to 10000 mm"),
+            ("highest_mm", "10001", "a whole number, -10000 to 10000 mm"),
+            ("sector_deg", "0", "a whole number, 1 to 15 degrees"),
+        ];
+        assert_eq!(cases.len(), crate::field::FIELDS.len());
+        for (name, value, allowed) in cases {
+            assert_eq!(parse(&[(name, value)]), Err(format!("{name} = {value}: must be {allowed}")));
+        }
+    }
+
+    #[test]
+    fn unknown_and_missing_fields_and_other_text_are_refused() {
+        let told = |text: &str| Description::parse(text).unwrap_err().to_string();
+        let unknown = told(&(template() + "focal_mm = 3\n"));
+        assert!(unknown.starts_with("focal_mm: no such field; there are wiring, first, skew, width"), "{unknown}");
+        let missing = told(&template().replace("baseline_mm =", "# "));
+        assert_eq!(missing, "baseline_mm is missing: distance of the two cameras; 1 to 10000 mm");
+        let text = told("wiring = \"line\"\nfocal_px == 3\n");
+        assert!(text.starts_with("line 2: ") && !text.contains('\n'), "{text}");
+        assert!(told("width = 3\nwidth = 4\n").starts_with("line 2: "));
+    }
+
+    #[test]
+    fn what_may_be_left_out_has_the_templates_value() {
+        let short: String = template()
+            .lines()
+            .filter(|line| {
+                !["first", "skew", "row_offset", "column_offset", "min_disparity", "sector_deg"]
+                    .iter()
+                    .any(|name| line.starts_with(&format!("{name} =")))
+            })
+            .flat_map(|line| [line, "\n"])
+            .collect();
+        assert_eq!(Description::parse(&short), Description::parse(&template()));
+    }
+
+    #[test]
+    fn fields_that_do_not_go_together_are_refused() {
+        let cases: [(&[(&str, &str)], &str); 6] = [
+            (&[("wiring", "\"line\""), ("skew", "\"left\"")], "wiring = \"pixel\" only"),
+            (&[("width", "40")], "num_disparities = 48: must not exceed the width, 40 px"),
+            (&[("lowest_mm", "500")], "must be under highest_mm, 500 mm"),
+            (&[("min_disparity", "-48")], "must reach 1 px"),
+            (&[("focal_px", "40")], "must be 43 px or more"),
+            (&[("sector_deg", "1")], "must be 2 or more"),
+        ];
+        for (changes, words) in cases {
+            let told = parse(changes).unwrap_err();
+            assert!(told.contains(words), "{told}");
+        }
+    }
+
+    #[test]
+    fn sectors_cover_the_view_with_the_middle_one_ahead() {
+        let description = parse(&[]).unwrap();
+        let bearings: Vec<i16> = description.bearings_deg().collect();
+        assert_eq!((bearings.len(), bearings[0], bearings[8], bearings[16]), (17, -40, 0, 40));
+        let setup = description.setup::<72>().unwrap();
+        assert_eq!((setup.sectors.count, setup.sectors.secant_q14[8]), (17, 1 << 14));
+        assert_eq!(setup.sectors.left_q16[8], -setup.sectors.left_q16[9]);
+        assert_eq!(setup.reach, Reach { sector_deg: 5, first_deg: -40, nearest_cm: 25, farthest_cm: 1200 });
+        assert!(description.setup::<16>().is_err());
+    }
+
+    #[test]
+    fn the_core_takes_every_description_at_its_limits() {
+        let cases: [&[(&str, &str)]; 6] = [
+            &[],
+            &[("focal_px", "10000"), ("baseline_mm", "10000"), ("pitch_deg", "60"), ("height", "4096")],
+            &[("focal_px", "43"), ("sector_deg", "15"), ("pitch_deg", "-60")],
+            &[("focal_px", "43"), ("sector_deg", "3")],
+            &[("camera_height_mm", "10000"), ("lowest_mm", "-10000"), ("highest_mm", "10000")],
+            &[("width", "1280"), ("num_disparities", "256"), ("focal_px", "171.5"), ("baseline_mm", "1")],
+        ];
+        for changes in cases {
+            let description = parse(changes).unwrap();
+            let setup = description.setup::<72>().unwrap();
+            let size = [setup.config.width, setup.height];
+            let made = Obstacles::<72, { haarline::blocks_for(1280) }>::new(
+                size,
+                setup.rig,
+                setup.mounting,
+                setup.sectors,
+                Settings::DEFAULT,
+            );
+            assert!(made.is_ok() && setup.config.check().is_ok(), "{changes:?}: {made:?}");
+        }
+    }
+}

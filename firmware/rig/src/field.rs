@@ -1,0 +1,158 @@
+//! The fields of a description: name, meaning, range and unit of each, in one place.
+
+use toml::{Table, Value};
+
+use crate::RigError;
+
+/// What a field may be.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Range {
+    /// One of these words.
+    Words(&'static [&'static str]),
+    /// A whole number between two, these included.
+    Whole(i64, i64),
+    /// A number between two, these included.
+    Real(f64, f64),
+}
+
+/// A field of a description.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Field {
+    pub(crate) name: &'static str,
+    about: &'static str,
+    range: Range,
+    unit: &'static str,
+    /// Its value in the template.
+    example: &'static str,
+    /// Whether it may be left out; the example's value holds then.
+    optional: bool,
+}
+
+const fn field(
+    name: &'static str,
+    about: &'static str,
+    range: Range,
+    unit: &'static str,
+    example: &'static str,
+    optional: bool,
+) -> Field {
+    Field { name, about, range, unit, example, optional }
+}
+
+use Range::{Real, Whole, Words};
+
+/// All of them, in the order of the template.
+#[rustfmt::skip]
+pub(crate) const FIELDS: [Field; 16] = [
+    field("wiring", "how the two cameras share the port", Words(&["pixel", "line", "side-by-side", "nibble", "pairs16"]), "", "\"pixel\"", false),
+    field("first", "the camera that comes first: in time, in the left half, on the low data lines", Words(&["left", "right"]), "", "\"left\"", true),
+    field("skew", "the camera whose pixels come one late; with wiring = \"pixel\" only", Words(&["none", "left", "right"]), "", "\"none\"", true),
+    field("width", "columns of one view", Whole(32, 1280), "px", "320", false),
+    field("height", "rows of one view", Whole(8, 4096), "px", "240", false),
+    field("row_offset", "what the left view shows in a row, the right one shows so many rows lower", Whole(-16, 16), "px", "0", true),
+    field("column_offset", "the right view shows everything so many columns too far right", Whole(-128, 128), "px", "0", true),
+    field("focal_px", "focal length of the rectified views", Real(10.0, 10_000.0), "px", "200.0", false),
+    field("baseline_mm", "distance of the two cameras", Real(1.0, 10_000.0), "mm", "60.0", false),
+    field("min_disparity", "least disparity that is searched", Whole(-128, 128), "px", "0", true),
+    field("num_disparities", "how many disparities are searched from there on; not more than the width", Whole(1, 256), "px", "48", false),
+    field("camera_height_mm", "height of the cameras over the ground", Whole(0, 10_000), "mm", "300", false),
+    field("pitch_deg", "where the cameras look: 0 is level, upwards is positive", Real(-60.0, 60.0), "degrees", "0.0", false),
+    field("lowest_mm", "what is lower over the ground than this is no obstacle", Whole(-10_000, 10_000), "mm", "60", false),
+    field("highest_mm", "what is higher over the ground than this is no obstacle", Whole(-10_000, 10_000), "mm", "500", false),
+    field("sector_deg", "angle of each sector of which the nearest obstacle is told", Whole(1, 15), "degrees", "5", true),
+];
+
+impl Field {
+    /// What it may be, with its unit.
+    fn allowed(&self) -> String {
+        match self.range {
+            Words(words) => format!("one of \"{}\"", words.join("\", \"")),
+            Whole(least, most) => format!("a whole number, {least} to {most} {}", self.unit),
+            Real(least, most) => format!("{least} to {most} {}", self.unit),
+        }
+    }
+
+    fn holds(&self, value: &Value) -> bool {
+        match (self.range, value) {
+            (Words(words), Value::String(word)) => words.contains(&word.as_str()),
+            (Whole(least, most), Value::Integer(value)) => (least..=most).contains(value),
+            (Real(least, most), _) => number(value).is_some_and(|value| (least..=most).contains(&value)),
+            _ => false,
+        }
+    }
+}
+
+fn number(value: &Value) -> Option<f64> {
+    match value {
+        Value::Float(value) => Some(*value),
+        #[expect(clippy::cast_precision_loss, reason = "no field has a range where it matters")]
+        Value::Integer(value) => Some(*value as f64),
+        _ => None,
+    }
+}
+
+/// A description with comments, to be filled in. It is valid as it is.
+#[must_use]
+pub fn template() -> String {
+    let mut text =
+        "# A pair of cameras and how it stands. `haarline rig show` tells what follows from it.\n".to_owned();
+    for field in FIELDS {
+        let optional = if field.optional { "; may be left out" } else { "" };
+        let (name, about, allowed) = (field.name, field.about, field.allowed());
+        text += &format!("\n# {about}:\n# {allowed}{optional}\n{name} = {}\n", field.example);
+    }
+    text
+}
+
+/// The fields of a description, each within its range.
+#[derive(Debug)]
+pub(crate) struct Values(Table);
+
+impl Values {
+    pub(crate) fn parse(text: &str) -> Result<Self, RigError> {
+        let mut table: Table = text.parse().map_err(|error: toml::de::Error| not_toml(text, &error))?;
+        let names: Vec<&str> = FIELDS.iter().map(|field| field.name).collect();
+        if let Some(key) = table.keys().find(|key| !names.contains(&key.as_str())) {
+            return Err(format!("{key}: no such field; there are {}", names.join(", ")).into());
+        }
+        for field in &FIELDS {
+            let name = field.name;
+            if field.optional && !table.contains_key(name) {
+                let example: Table =
+                    format!("{name} = {}", field.example).parse().map_err(|_| format!("{name}: no default"))?;
+                table.extend(example);
+            }
+            match table.get(name) {
+                None => return Err(format!("{name} is missing: {}; {}", field.about, field.allowed()).into()),
+                Some(value) if !field.holds(value) => {
+                    let value = value.to_string();
+                    return Err(format!("{name} = {value}: must be {}", field.allowed()).into());
+                }
+                Some(_) => {}
+            }
+        }
+        Ok(Self(table))
+    }
+
+    pub(crate) fn word(&self, name: &str) -> &str {
+        self.0.get(name).and_then(Value::as_str).unwrap_or_default()
+    }
+
+    /// A whole number; of a type that its range fits.
+    pub(crate) fn whole<T: TryFrom<i64> + Default>(&self, name: &str) -> T {
+        let value = self.0.get(name).and_then(Value::as_integer);
+        value.and_then(|value| T::try_from(value).ok()).unwrap_or_default()
+    }
+
+    pub(crate) fn real(&self, name: &str) -> f64 {
+        self.0.get(name).and_then(number).unwrap_or_default()
+    }
+}
+
+/// The parser's words in one line, with the line that is meant.
+fn not_toml(text: &str, error: &toml::de::Error) -> RigError {
+    let start = error.span().map_or(0, |span| span.start);
+    let line = 1 + text.get(..start).unwrap_or(text).matches('\n').count();
+    let words: Vec<&str> = error.message().split_whitespace().collect();
+    format!("line {line}: {}; must be lines of the kind focal_px = 200.0", words.join(" ")).into()
+}

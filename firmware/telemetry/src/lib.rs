@@ -1,0 +1,147 @@
+//! Obstacles as an autopilot hears of them: MAVLink 2 `HEARTBEAT` and `OBSTACLE_DISTANCE`, for PX4 and
+//! ArduPilot.
+//!
+//! Without heap, for firmware and host alike. The bearing of the first sector is the one number that travels
+//! as a float; it is a whole number of degrees.
+//!
+//! ```
+//! use haarline::setup::Reach;
+//! use haarline_telemetry::Link;
+//! let reach = Reach { sector_deg: 5, first_deg: -5, nearest_cm: 25, farthest_cm: 1200 };
+//! let mut link = Link::new(1);
+//! assert_eq!(link.heartbeat().as_bytes().len(), 21);
+//! let message = link.obstacle_distance(0, &reach, [None, Some(1507), None]);
+//! assert!(message.as_bytes().len() <= haarline_telemetry::MAX_BYTES);
+//! ```
+#![no_std]
+
+use haarline::setup::Reach;
+use mavlink::dialects::common::{
+    HEARTBEAT_DATA, MavAutopilot, MavDistanceSensor, MavFrame, MavModeFlag, MavState, MavType, OBSTACLE_DISTANCE_DATA,
+};
+use mavlink::{MAVLinkV2MessageRaw, MavHeader, MessageData};
+
+/// Distance of a sector of which nothing is known.
+pub const UNKNOWN_CM: u16 = u16::MAX;
+/// Longest message made here, bytes: header, payload, checksum.
+pub const MAX_BYTES: usize = 10 + OBSTACLE_DISTANCE_DATA::ENCODED_LEN + 2;
+/// The component that messages come from: `MAV_COMP_ID_OBSTACLE_AVOIDANCE`.
+pub const COMPONENT: u8 = 196;
+
+/// A message, ready to be sent.
+#[derive(Debug, Clone)]
+pub struct Message(MAVLinkV2MessageRaw);
+
+impl Message {
+    /// Its bytes, [`MAX_BYTES`] at most.
+    #[must_use]
+    pub fn as_bytes(&self) -> &[u8] {
+        self.0.raw_bytes()
+    }
+}
+
+/// One sender. Numbers its messages, so that the receiver sees which are lost.
+#[derive(Debug, Clone)]
+pub struct Link {
+    system: u8,
+    sequence: u8,
+}
+
+impl Link {
+    /// A sender on board of vehicle `system`; autopilots are 1 unless set otherwise.
+    #[must_use]
+    pub const fn new(system: u8) -> Self {
+        Self { system, sequence: 0 }
+    }
+
+    /// `HEARTBEAT` of a running companion computer: to be sent once a second.
+    pub fn heartbeat(&mut self) -> Message {
+        self.message(&HEARTBEAT_DATA {
+            custom_mode: 0,
+            mavtype: MavType::MAV_TYPE_ONBOARD_CONTROLLER,
+            autopilot: MavAutopilot::MAV_AUTOPILOT_INVALID,
+            base_mode: MavModeFlag::empty(),
+            system_status: MavState::MAV_STATE_ACTIVE,
+            mavlink_version: 3,
+        })
+    }
+
+    /// `OBSTACLE_DISTANCE` of a frame that was taken `time_us` µs after the start: the distance of each sector
+    /// in whole cm, [`UNKNOWN_CM`] where it is not known or farther than the rig sees, in the vehicle's own
+    /// frame. The message never says that a sector is free.
+    ///
+    /// - `nearest_mm`: as [`haarline::Obstacles::nearest_mm`] tells; what is beyond 72 sectors is left out.
+    pub fn obstacle_distance(
+        &mut self,
+        time_us: u64,
+        reach: &Reach,
+        nearest_mm: impl IntoIterator<Item = Option<u32>>,
+    ) -> Message {
+        let mut distances = [UNKNOWN_CM; 72];
+        for (distance, mm) in distances.iter_mut().zip(nearest_mm) {
+            let cm = mm.and_then(|mm| u16::try_from(mm / 10).ok());
+            *distance = cm.filter(|&cm| cm <= reach.farthest_cm).unwrap_or(UNKNOWN_CM);
+        }
+        self.message(&OBSTACLE_DISTANCE_DATA {
+            time_usec: time_us,
+            distances,
+            min_distance: reach.nearest_cm,
+            max_distance: reach.farthest_cm,
+            sensor_type: MavDistanceSensor::MAV_DISTANCE_SENSOR_UNKNOWN,
+            increment: reach.sector_deg,
+            increment_f: 0.0,
+            angle_offset: reach.first_deg.into(),
+            frame: MavFrame::MAV_FRAME_BODY_FRD,
+        })
+    }
+
+    fn message(&mut self, data: &impl MessageData) -> Message {
+        let header = MavHeader { system_id: self.system, component_id: COMPONENT, sequence: self.sequence };
+        self.sequence = self.sequence.wrapping_add(1);
+        let mut raw = MAVLinkV2MessageRaw::new();
+        raw.serialize_message_data(header, data);
+        Message(raw)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use mavlink::dialects::common::MavMessage;
+    use mavlink::{MavlinkVersion, Message as _};
+
+    const REACH: Reach = Reach { sector_deg: 5, first_deg: -40, nearest_cm: 25, farthest_cm: 1200 };
+
+    fn decode(message: &Message) -> MavMessage {
+        assert!(message.0.has_valid_crc::<MavMessage>());
+        MavMessage::parse(MavlinkVersion::V2, message.0.message_id(), message.0.payload()).unwrap()
+    }
+
+    #[test]
+    fn distances_are_whole_centimetres_and_unknown_where_nothing_is_known() {
+        let cases = [None, Some(0), Some(1507), Some(12_009), Some(12_010), Some(u32::MAX - 1)];
+        let message = Link::new(1).obstacle_distance(77, &REACH, cases);
+        let MavMessage::OBSTACLE_DISTANCE(data) = decode(&message) else { panic!("another message") };
+        assert_eq!(data.distances[..6], [UNKNOWN_CM, 0, 150, 1200, UNKNOWN_CM, UNKNOWN_CM]);
+        assert!(data.distances[6..].iter().all(|&cm| cm == UNKNOWN_CM));
+        assert_eq!((data.time_usec, data.min_distance, data.max_distance, data.increment), (77, 25, 1200, 5));
+        assert_eq!((data.angle_offset, data.frame), (-40.0, MavFrame::MAV_FRAME_BODY_FRD));
+    }
+
+    #[test]
+    fn messages_are_numbered_and_no_longer_than_told() {
+        let mut link = Link::new(3);
+        for sequence in 0..=256_u16 {
+            let message = if sequence % 2 == 0 {
+                link.heartbeat()
+            } else {
+                link.obstacle_distance(u64::MAX, &REACH, [Some(9); 99])
+            };
+            let raw = &message.0;
+            let [low, _] = sequence.to_le_bytes();
+            assert_eq!((raw.sequence(), raw.system_id(), raw.component_id()), (low, 3, COMPONENT));
+            assert!(message.as_bytes().len() <= MAX_BYTES && message.as_bytes()[0] == 0xFD);
+            decode(&message);
+        }
+    }
+}
