@@ -7,7 +7,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
 use rayon::prelude::*;
 
-use super::extremum_plots::{Series, chart, histogram};
+use super::plot::{Axis, Chart, Layer, Mark, figure};
 use super::{Outcome, Part, Plot, Setup, Table};
 use crate::Frame;
 
@@ -191,8 +191,7 @@ pub fn run(setup: &Setup<'_>) -> Result<Outcome> {
         columns: columns.map(str::to_owned).to_vec(),
         rows: kinds.iter().map(|(name, trials)| row(name, trials)).collect(),
     };
-    let mut parts = vec![Part::Text(text(setup, &kinds)), Part::Table(table)];
-    parts.extend(draw(&kinds)?.map(Part::Plot));
+    let parts = vec![Part::Text(text(setup, &kinds)), Part::Table(table), Part::Plot(draw(&kinds)?)];
     Ok(Outcome { name: "alignment", title: "Alignment of two views".to_owned(), parts })
 }
 
@@ -243,31 +242,50 @@ fn text(setup: &Setup<'_>, kinds: &[(&str, Vec<Trial>)]) -> String {
     )
 }
 
-fn draw(kinds: &[(&str, Vec<Trial>)]) -> Result<[Plot; 2]> {
-    let plot = |name: &str, label: &str, width: f64, value: fn(&Trial) -> f64| {
-        let series: Vec<Series> = kinds
-            .iter()
-            .map(|(name, trials)| {
-                let values: Vec<f64> = trials.iter().map(value).collect();
-                Series { name: (*name).to_owned(), points: histogram(&values, width), is_line: true }
-            })
-            .collect();
-        anyhow::Ok(Plot {
-            name: name.to_owned(),
-            caption: format!("How many trials have which {label}"),
-            svg: chart([label, "trials"], &series)?,
-        })
+/// How many trials have which iterations, and which error.
+fn draw(kinds: &[(&str, Vec<Trial>)]) -> Result<Plot> {
+    let chart = |label: &str, width: f64, value: fn(&Trial) -> f64| {
+        let layer = |(colour, (name, trials)): (usize, &(&str, Vec<Trial>))| {
+            let values: Vec<f64> = trials.iter().map(value).collect();
+            Layer::new(name, colour, Mark::DotsOnLine, histogram(&values, width))
+        };
+        let layers: Vec<Layer> = kinds.iter().enumerate().map(layer).collect();
+        let along = |axis: usize| layers.iter().flat_map(move |l| l.points.iter().map(move |p| p[axis])).chain([0.0]);
+        let (x, y) = (Axis::around(label, along(0)), Axis::around("share of the trials, %", along(1)));
+        Chart { title: String::new(), x, y, layers }
     };
-    Ok([
-        plot("iterations", "iterations", 1.0, |trial| f64::from(trial.found.iterations))?,
-        plot("error", "error (px; 2 and more as 2)", 0.1, |trial| trial.error.min(2.0))?,
-    ])
+    let charts = [
+        chart("iterations", 1.0, |trial| f64::from(trial.found.iterations)),
+        chart("error, px (2 and more as 2)", 0.1, |trial| trial.error.min(2.0)),
+    ];
+    Ok(Plot {
+        name: "trials".to_owned(),
+        caption: "Which share of the trials has how many iterations, and which error in steps of 0.1 px".to_owned(),
+        svg: figure(&charts, 2, [450, 300])?,
+    })
+}
+
+/// Which share of `values` lies in each of the bins of that width from 0 on, percent, over the bins' beginnings.
+fn histogram(values: &[f64], width: f64) -> Vec<[f64; 2]> {
+    let bin = |value: f64| (value / width) as usize;
+    let bins = values.iter().map(|&value| bin(value) + 1).max().unwrap_or(0);
+    let mut shares = vec![0.0; bins];
+    for &value in values {
+        shares[bin(value)] += 100.0 / values.len() as f64;
+    }
+    shares.into_iter().enumerate().map(|(index, share)| [index as f64 * width, share]).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::synthetic::Scene;
+
+    #[test]
+    fn a_histogram_holds_every_value_once() {
+        assert_eq!(histogram(&[0.0, 0.9, 2.5, 2.6], 1.0), [[0.0, 50.0], [1.0, 0.0], [2.0, 50.0]]);
+        assert_eq!(histogram(&[], 1.0), [[0.0; 2]; 0]);
+    }
 
     #[test]
     fn a_displaced_view_is_found_in_few_iterations() {

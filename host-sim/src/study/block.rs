@@ -1,18 +1,19 @@
 //! The study `block`: the paper's Table 1, which is lost, measured anew. Block matching against its
 //! wavelet-modified form in both readings, and the other methods.
 
+mod contour_points;
 mod plot;
 mod verdict;
 
 use anyhow::{Context, Result};
-use haarline::{Config, ConfigError, Parts, Reading, StereoMethod, WaveletBlock, blocks_for};
+use haarline::{Config, ConfigError, ContourSettings, Parts, Reading, StereoMethod, WaveletBlock, blocks_for};
 use haarline_tests::BlockSettings;
 
 use super::operations::Operations;
 use super::{Outcome, Part, Setup, Table};
 use crate::degrade::Degradation;
 use crate::evaluation::{Evaluator, Mean};
-use crate::method::{MethodKind, on_large_stack};
+use crate::method::{Method, MethodKind, on_large_stack};
 use crate::report::format_figure;
 use crate::score::Score;
 
@@ -29,6 +30,7 @@ enum Kind {
     Ungated(MethodKind),
     Wavelet(Reading),
     WaveletOf(Parts),
+    Contour(ContourSettings),
 }
 
 /// The opponent of the wavelet-modified form: block matching without gates.
@@ -39,8 +41,12 @@ const READINGS: [&str; 2] = ["wavelet-block (a), intensities", "wavelet-block (b
 /// Reading (b) without the smoothing that the noise asks for, and with the best start as its answer.
 const PARTS: [&str; 2] = ["wavelet-block (b), unsmoothed", "wavelet-block (b), start only"];
 
+/// Contours as they are meant to be, and without the check of links.
+const CONTOUR: &str = "contour";
+const UNLINKED: &str = "contour, links unchecked";
+
 /// All methods, in the order of the table.
-const ENTRIES: [Entry; 10] = [
+const ENTRIES: [Entry; 13] = [
     Entry { name: "block", kind: Kind::Method(MethodKind::Block) },
     Entry { name: OPPONENT, kind: Kind::Ungated(MethodKind::Block) },
     Entry { name: "ssd, gates off", kind: Kind::Ungated(MethodKind::Ssd) },
@@ -49,6 +55,9 @@ const ENTRIES: [Entry; 10] = [
     Entry { name: READINGS[1], kind: Kind::Wavelet(Reading::Haar) },
     Entry { name: PARTS[0], kind: Kind::WaveletOf(Parts { smoothing: false, ..Parts::ALL }) },
     Entry { name: PARTS[1], kind: Kind::WaveletOf(Parts { extremum: false, ..Parts::ALL }) },
+    Entry { name: CONTOUR, kind: Kind::Method(MethodKind::Contour) },
+    Entry { name: UNLINKED, kind: Kind::Contour(ContourSettings { linked_only: false, ..ContourSettings::DEFAULT }) },
+    Entry { name: "envelope", kind: Kind::Method(MethodKind::Envelope) },
     Entry { name: "lite", kind: Kind::Method(MethodKind::Lite) },
     Entry { name: "full", kind: Kind::Method(MethodKind::Full) },
 ];
@@ -72,6 +81,7 @@ impl Entry {
         const BLOCKS: usize = blocks_for(Config::MAX_WIDTH);
         match self.kind {
             Kind::Method(method) => method.build(config),
+            Kind::Contour(contours) => Method { kind: MethodKind::Contour, contours }.build(config),
             Kind::Ungated(method) => method.build_gated(config, BlockSettings::UNGATED),
             Kind::Wavelet(reading) => {
                 on_large_stack(|| -> Built { Ok(Box::new(WaveletBlock::<BLOCKS>::with_reading(config, reading)?)) })
@@ -99,7 +109,9 @@ struct Trial {
 /// # Errors
 /// If a scene cannot be matched or scored.
 pub fn run(setup: &Setup<'_>) -> Result<Outcome> {
-    setup.progress.set_length((ENTRIES.len() * DEGRADATIONS.len() * setup.scenes.len()) as u64);
+    setup
+        .progress
+        .set_length(((ENTRIES.len() * DEGRADATIONS.len() + contour_points::STEPS) * setup.scenes.len()) as u64);
     let mut trials = Vec::new();
     for (frames, degradation) in DEGRADATIONS {
         let degradation = Degradation { seed: setup.seed, ..degradation };
@@ -107,10 +119,15 @@ pub fn run(setup: &Setup<'_>) -> Result<Outcome> {
             trials.push(try_out(setup, entry, frames, degradation)?);
         }
     }
-    let mut parts = vec![Part::Text(introduction(setup))];
-    parts.push(Part::Text(verdict::text(&trials)));
-    parts.push(Part::Table(table(&trials)));
-    parts.push(Part::Plot(plot::tot2_against_operations(&trials)?));
+    let comparisons = contour_points::compare(setup)?;
+    let parts = vec![
+        Part::Text(introduction(setup)),
+        Part::Text(verdict::text(&trials)),
+        Part::Table(table(&trials)),
+        Part::Plot(plot::tot2_against_operations(&trials)?),
+        Part::Text(contour_points::text(&comparisons)),
+        Part::Table(contour_points::table(&comparisons)),
+    ];
     Ok(Outcome { name: "block", title: "Block matching and its wavelet-modified form (Table 1)".to_owned(), parts })
 }
 
@@ -139,7 +156,8 @@ fn introduction(setup: &Setup<'_>) -> String {
          views x 0.25, then noise 2). block is bit-identical to OpenCV's StereoBM of 9 px, with OpenCV's gates or \
          with none; ssd and ncc are the same with squared differences and with the normalised cross-correlation of \
          the prefilter's responses. wavelet-block has two readings: (a) blocks of intensities less their local mean, \
-         (b) blocks of Haar responses. Operations are those on values of pixels, responses and costs from the raw \
+         (b) blocks of Haar responses. contour and envelope are sparse: they answer at contours and at extrema of the \
+         rows only, so that their tot2 says little. Operations are those on values of pixels, responses and costs from the raw \
          rows to the disparities, counted by the code as it runs, over all pixels of the image: prefilters and \
          smoothing, contours, costs, gates, sub-pixel step, confidence. They stand for energy: no energy was \
          measured here. StereoBM's sums run: a cost takes it two differences, four sums and two comparisons more, whatever \
@@ -221,11 +239,12 @@ mod tests {
         let (scenes, progress) = ([scene()], ProgressBar::hidden());
         let setup = Setup { seed: 1, scenes: &scenes, scenes_name: "here", progress: &progress };
         let outcome = run(&setup).unwrap();
-        let [Part::Text(_), Part::Text(_), Part::Table(table), Part::Plot(plot)] = &outcome.parts[..] else {
+        let [_, _, Part::Table(table), Part::Plot(plot), _, Part::Table(points)] = &outcome.parts[..] else {
             panic!("parts of {}", outcome.title)
         };
         assert_eq!(table.rows.len(), ENTRIES.len() * DEGRADATIONS.len());
         assert!(table.rows.iter().all(|row| row.len() == table.columns.len()));
+        assert!(points.rows.len() == 12 && points.rows.iter().all(|row| row.len() == points.columns.len()));
         for row in &table.rows[..ENTRIES.len()] {
             assert!(row[6].parse::<f64>().unwrap() < 0.3, "{row:?}");
         }

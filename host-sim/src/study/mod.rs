@@ -8,7 +8,6 @@ pub mod alignment;
 pub mod block;
 pub mod detail;
 pub mod envelope;
-pub mod extremum_plots;
 pub mod noise;
 pub mod operations;
 pub mod outcome;

@@ -4,11 +4,13 @@
 //! A figure is a grid of [`Chart`]s, a chart is two [`Axis`]es and [`Layer`]s over each other. Numbers of a
 //! logarithmic axis are given as they are.
 
-use std::ops::Range;
+mod axis;
+
+pub use axis::Axis;
 
 use anyhow::{Result, ensure};
 use plotters::coord::Shift;
-use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, ValueFormatter};
+use plotters::coord::ranged1d::ValueFormatter;
 use plotters::prelude::*;
 
 /// The colours by Okabe and Ito, which stay apart for colour-blind readers; black last.
@@ -27,101 +29,13 @@ const BAND: RGBColor = RGBColor(205, 205, 205);
 const FONT: &str = "sans-serif";
 const SMALL: i32 = 12;
 const LARGE: i32 = 14;
-/// Height of the legend above the charts, px.
+/// Height of a line of the legend above the charts, px.
 const LEGEND: u32 = 24;
+/// Where its lines begin, px.
+const LEGEND_LEFT: i32 = 60;
 
 /// Number of a colour in the palette that stands for no series: black.
 pub const BLACK: usize = PALETTE.len() - 1;
-
-/// An axis: what it measures, from where to where, and where its numbers stand.
-#[derive(Debug, Clone)]
-pub struct Axis {
-    label: String,
-    range: [f64; 2],
-    ticks: Vec<f64>,
-    is_log: bool,
-}
-
-impl Axis {
-    /// A linear axis; `label` with the unit.
-    #[must_use]
-    pub fn linear(label: &str, range: [f64; 2]) -> Self {
-        let range = widened(range);
-        Self { label: label.to_owned(), range, ticks: round_numbers(range, 6), is_log: false }
-    }
-
-    /// A linear axis on which all of `values` have room.
-    #[must_use]
-    pub fn around(label: &str, values: impl IntoIterator<Item = f64>) -> Self {
-        let extent = values.into_iter().filter(|value| value.is_finite());
-        let range = extent.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| [low.min(v), high.max(v)]);
-        let range = widened(if range[0] <= range[1] { range } else { [0.0, 1.0] });
-        let margin = 0.05 * (range[1] - range[0]);
-        Self::linear(label, [range[0] - margin, range[1] + margin])
-    }
-
-    /// A logarithmic axis with numbers at the powers of ten; `range` is positive.
-    #[must_use]
-    pub fn log(label: &str, range: [f64; 2]) -> Self {
-        let [low, high] = range.map(f64::log10);
-        let ticks = (low.ceil() as i32..=high.floor() as i32).map(|power| 10f64.powi(power)).collect();
-        Self { label: label.to_owned(), range, ticks, is_log: true }
-    }
-
-    /// The same with numbers at `ticks` only.
-    #[must_use]
-    pub fn with_ticks(self, ticks: impl IntoIterator<Item = f64>) -> Self {
-        Self { ticks: ticks.into_iter().collect(), ..self }
-    }
-
-    /// How far from the axis's beginning a value lies, 0 to 1 within its range.
-    fn share(&self, value: f64) -> f64 {
-        let place = |value: f64| if self.is_log { value.max(f64::MIN_POSITIVE).log10() } else { value };
-        let [low, high] = self.range.map(place);
-        (place(value) - low) / (high - low)
-    }
-}
-
-impl Ranged for Axis {
-    type FormatOption = NoDefaultFormatting;
-    type ValueType = f64;
-
-    fn map(&self, value: &f64, (first, last): (i32, i32)) -> i32 {
-        // Values beyond the range stay near enough to it for the arithmetic of pixels.
-        let share = self.share(*value).clamp(-1.0, 2.0);
-        first + (share * f64::from(last - first)).round() as i32
-    }
-
-    fn key_points<Hint: KeyPointHint>(&self, hint: Hint) -> Vec<f64> {
-        if hint.weight().allow_light_points() { Vec::new() } else { self.ticks.clone() }
-    }
-
-    fn range(&self) -> Range<f64> {
-        self.range[0]..self.range[1]
-    }
-}
-
-impl ValueFormatter<f64> for Axis {
-    fn format_ext(&self, value: &f64) -> String {
-        let text = format!("{value:.6}");
-        let text = text.trim_end_matches('0').trim_end_matches('.');
-        if text == "-0" { "0".to_owned() } else { text.to_owned() }
-    }
-}
-
-/// A range with some length, whatever it was.
-fn widened([low, high]: [f64; 2]) -> [f64; 2] {
-    if low < high { [low, high] } else { [low - 0.5, low + 0.5] }
-}
-
-/// About `count` round numbers within `range`.
-fn round_numbers([low, high]: [f64; 2], count: u32) -> Vec<f64> {
-    let rough = (high - low) / f64::from(count);
-    let power = 10f64.powf(rough.log10().floor());
-    let step = [1.0, 2.0, 2.5, 5.0, 10.0].map(|m| m * power).into_iter().find(|&s| s >= rough).unwrap_or(rough);
-    let (first, last) = ((low / step).ceil() as i64, (high / step).floor() as i64);
-    (first..=last).map(|index| index as f64 * step).collect()
-}
 
 /// How a layer's points are drawn.
 #[derive(Debug, Clone)]
@@ -206,10 +120,11 @@ type Canvas<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<Axis, Axis>>;
 /// If there is no chart or no column.
 pub fn figure(charts: &[Chart], columns: usize, size: [u32; 2]) -> Result<String> {
     ensure!(!charts.is_empty() && columns > 0, "a figure needs a chart and a column");
-    let entries = legend_entries(charts);
-    let legend = if entries.is_empty() { 0 } else { LEGEND };
     let rows = charts.len().div_ceil(columns);
-    let (width, height) = (size[0] * columns as u32, size[1] * rows as u32 + legend);
+    let width = size[0] * columns as u32;
+    let (entries, lines) = legend_places(&legend_entries(charts), width);
+    let legend = LEGEND * lines;
+    let height = size[1] * rows as u32 + legend;
     let mut svg = String::new();
     {
         let paper = SVGBackend::with_string(&mut svg, (width, height)).into_drawing_area();
@@ -235,11 +150,26 @@ fn legend_entries(charts: &[Chart]) -> Vec<&Layer> {
     entries
 }
 
-fn draw_legend(area: &Area<'_>, entries: &[&Layer]) -> Result<()> {
-    let mut left = 60;
-    for entry in entries {
+/// Where each entry of the legend begins, px, in as many lines as the width asks for.
+fn legend_places<'a>(entries: &[&'a Layer], width: u32) -> (Vec<(&'a Layer, [i32; 2])>, u32) {
+    let (mut left, mut line) = (LEGEND_LEFT, 0);
+    let mut places = Vec::new();
+    for &entry in entries {
+        let length = 44 + 6 * entry.name.chars().count() as i32;
+        if left > LEGEND_LEFT && left + length > width as i32 {
+            (left, line) = (LEGEND_LEFT, line + 1);
+        }
+        places.push((entry, [left, line * LEGEND as i32]));
+        left += length;
+    }
+    let lines = if entries.is_empty() { 0 } else { line as u32 + 1 };
+    (places, lines)
+}
+
+fn draw_legend(area: &Area<'_>, entries: &[(&Layer, [i32; 2])]) -> Result<()> {
+    for &(entry, [left, top]) in entries {
         let colour = entry.ink();
-        let middle = LEGEND as i32 / 2 + 2;
+        let middle = top + LEGEND as i32 / 2 + 2;
         match entry.mark {
             Mark::Line | Mark::Stems | Mark::DotsOnLine => {
                 area.draw(&PathElement::new([(left, middle), (left + 20, middle)], colour.stroke_width(2)))?;
@@ -262,7 +192,6 @@ fn draw_legend(area: &Area<'_>, entries: &[&Layer]) -> Result<()> {
             _ => {}
         }
         area.draw(&Text::new(entry.name.clone(), (left + 26, middle - 6), (FONT, SMALL).into_font().color(&INK)))?;
-        left += 26 + 6 * entry.name.chars().count() as i32 + 18;
     }
     Ok(())
 }
@@ -391,19 +320,13 @@ mod tests {
     }
 
     #[test]
-    fn numbers_of_axes_are_round() {
-        assert_eq!(round_numbers([0.0, 255.0], 6), [0.0, 50.0, 100.0, 150.0, 200.0, 250.0]);
-        assert_eq!(Axis::log("", [0.5, 2000.0]).ticks, [1.0, 10.0, 100.0, 1000.0]);
-        let axis = Axis::linear("", [7.0, 7.0]);
-        assert!(axis.range[0] < axis.range[1] && !axis.ticks.is_empty());
-        assert_eq!([0.25, -0.0, 1000.0, 20.0].map(|v| axis.format_ext(&v)), ["0.25", "0", "1000", "20"]);
-    }
-
-    #[test]
-    fn a_logarithmic_axis_gives_every_power_as_much_room() {
-        let axis = Axis::log("", [1.0, 1000.0]);
-        assert_eq!([1.0, 10.0, 100.0, 1000.0].map(|v| axis.map(&v, (0, 300))), [0, 100, 200, 300]);
-        assert_eq!(axis.map(&0.0, (0, 300)), -300, "what has no logarithm lies beyond, and is no fault");
+    fn a_long_legend_has_more_lines() {
+        let layers: Vec<Layer> = (0..5).map(|i| Layer::new(&format!("method {i}"), i, Mark::Dots, [])).collect();
+        let entries: Vec<&Layer> = layers.iter().collect();
+        let (places, lines) = legend_places(&entries, 300);
+        assert_eq!(lines, 3);
+        assert_eq!(places.iter().map(|place| place.1).collect::<Vec<_>>()[1..3], [[158, 0], [60, 24]]);
+        assert_eq!(legend_places(&[], 300).1, 0);
     }
 
     #[test]

@@ -7,7 +7,7 @@ use haarline::extremum::Method;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use super::extremum_plots::{Series, chart};
+use super::plot::{Axis, Chart, Layer, Mark, figure};
 use super::scaled::{Parameters, Scaled};
 use super::{Outcome, Part, Plot, Setup, Table};
 
@@ -268,20 +268,21 @@ fn text(ours: &[Trial]) -> String {
 
 /// Where each start ends: a success map over the starting point.
 fn map(ours: &[Trial]) -> Result<Plot> {
-    let series = |name: &str, is_found: bool| Series {
-        name: name.to_owned(),
-        points: ours
-            .iter()
-            .filter(|trial| ((trial.found - trial.minimum).abs() <= 1e-2) == is_found)
-            .map(|trial| (trial.start, trial.found))
-            .collect(),
-        is_line: false,
+    let layer = |name: &str, colour: usize, is_found: bool| {
+        let trials = ours.iter().filter(|trial| ((trial.found - trial.minimum).abs() <= 1e-2) == is_found);
+        Layer::new(name, colour, Mark::Dots, trials.map(|trial| [trial.start, trial.found]))
     };
-    let series = [series("global minimum", true), series("elsewhere", false)];
+    let domain = Function::Schwefel.scaled().domain;
+    let chart = Chart {
+        title: String::new(),
+        x: Axis::linear("start x", domain),
+        y: Axis::linear("found x", domain),
+        layers: vec![layer("global minimum", 0, true), layer("elsewhere", 1, false)],
+    };
     Ok(Plot {
         name: "map".to_owned(),
         caption: "Schwefel's function, proposed method: where the search ends over where it starts".to_owned(),
-        svg: chart(["start x", "found x"], &series)?,
+        svg: figure(&[chart], 1, [640, 360])?,
     })
 }
 

@@ -1,70 +1,52 @@
 //! The plot of the study: how wrong the methods are against what they cost.
 
-use anyhow::{Result, anyhow};
-use plotters::prelude::*;
+use anyhow::Result;
 
-use super::{Trial, find};
+use super::{ENTRIES, Entry, Kind, Trial, find};
+use crate::method::MethodKind;
 use crate::study::Plot;
+use crate::study::plot::{Axis, Chart, Layer, Mark, figure};
 
-/// Size of the picture, px.
-const SIZE: (u32, u32) = (900, 560);
-/// Size of words and numbers, px.
-const FONT_SIZE: u32 = 14;
-/// What is plotted, and how: the clean frames filled, the noisy ones not.
-const FRAMES: [(&str, bool); 2] = [("clean", true), ("sigma 10", false)];
+/// The frames of a chart each.
+const FRAMES: [&str; 2] = ["clean", "sigma 10"];
 
 /// `tot2` over the operations of a pixel, clean and at sigma 10; over nothing where they were not counted.
 pub(super) fn tot2_against_operations(trials: &[Trial]) -> Result<Plot> {
-    let mut svg = String::new();
-    draw(&mut svg, trials).map_err(|error| anyhow!("the plot: {error}"))?;
-    let caption = "tot2 (lower is better) against counted operations per pixel (left is cheaper): filled on clean \
-                   frames, hollow at noise of 10 grey levels. Without --features count nothing is counted, and all \
-                   points lie at 0."
+    let shown = || ENTRIES.iter().filter(|entry| is_dense(entry));
+    let points: Vec<&Trial> =
+        shown().flat_map(|entry| FRAMES.into_iter().filter_map(|frames| find(trials, entry.name, frames))).collect();
+    let x = points.iter().map(|trial| place(trial)[0]).chain([0.0]);
+    let y = points.iter().map(|trial| place(trial)[1]).chain([0.0]);
+    let (x, y) = (Axis::around("operations per pixel", x), Axis::around("tot2, % of the scored pixels", y));
+    let charts = FRAMES.map(|frames| {
+        let layer = |(index, entry): (usize, &Entry)| {
+            let point = find(trials, entry.name, frames).map(place);
+            Layer::new(entry.name, index, mark(entry), point)
+        };
+        let layers = shown().enumerate().map(layer).collect();
+        Chart { title: frames.to_owned(), x: x.clone(), y: y.clone(), layers }
+    });
+    let caption = "tot2 (lower is better) against counted operations per pixel (left is cheaper), on clean frames and \
+                   at noise of 10 grey levels; the methods that are sparse by design are left out. Without --features \
+                   count nothing is counted, and all points lie at 0."
         .to_owned();
-    Ok(Plot { name: "tot2_operations".to_owned(), caption, svg })
+    Ok(Plot { name: "tot2_operations".to_owned(), caption, svg: figure(&charts, 2, [450, 360])? })
 }
 
-fn draw(svg: &mut String, trials: &[Trial]) -> Result<(), Box<dyn std::error::Error>> {
-    let root = SVGBackend::with_string(svg, SIZE).into_drawing_area();
-    root.fill(&WHITE)?;
-    let operations = |trial: &Trial| trial.operations.map_or(0.0, |operations| operations.total());
-    let most = trials.iter().map(operations).fold(1.0, f64::max);
-    let highest = trials.iter().filter(|trial| is_shown(trial)).map(|trial| trial.mean.tot2).fold(1.0, f64::max);
-    let mut chart = ChartBuilder::on(&root)
-        .margin(12)
-        .x_label_area_size(44)
-        .y_label_area_size(56)
-        .build_cartesian_2d(0.0..most * 1.6, 0.0..highest * 1.1)?;
-    chart
-        .configure_mesh()
-        .x_desc("operations per pixel")
-        .y_desc("tot2, % of the scored pixels")
-        .label_style(("sans-serif", FONT_SIZE))
-        .draw()?;
-    for (index, entry) in super::ENTRIES.iter().enumerate() {
-        let colour = Palette99::pick(index).to_rgba();
-        for (frames, filled) in FRAMES {
-            let Some(trial) = find(trials, entry.name, frames) else { continue };
-            let place = (operations(trial), trial.mean.tot2);
-            let style = if filled { colour.filled() } else { colour.stroke_width(2) };
-            let point = chart.draw_series([Circle::new(place, 6, style)])?;
-            if filled {
-                point.label(entry.name).legend(move |place| Circle::new(place, 5, colour.filled()));
-            }
-        }
+fn place(trial: &Trial) -> [f64; 2] {
+    [trial.operations.map_or(0.0, |operations| operations.total()), trial.mean.tot2]
+}
+
+/// Whether it sets out to answer everywhere.
+fn is_dense(entry: &Entry) -> bool {
+    !matches!(entry.kind, Kind::Contour(_) | Kind::Method(MethodKind::Contour | MethodKind::Envelope))
+}
+
+/// Triangles for the wavelet-modified forms, so that a colour may come twice.
+fn mark(entry: &Entry) -> Mark {
+    match entry.kind {
+        Kind::Wavelet(_) => Mark::Triangles { down: false },
+        Kind::WaveletOf(_) => Mark::Triangles { down: true },
+        _ => Mark::Dots,
     }
-    let label_font = ("sans-serif", FONT_SIZE);
-    chart
-        .configure_series_labels()
-        .label_font(label_font)
-        .background_style(WHITE.mix(0.9))
-        .border_style(BLACK)
-        .draw()?;
-    drop(chart);
-    root.present()?;
-    Ok(())
-}
-
-fn is_shown(trial: &Trial) -> bool {
-    FRAMES.iter().any(|(frames, _)| *frames == trial.frames)
 }
