@@ -7,6 +7,7 @@ use crate::haar::sum_121;
 use crate::linkage::{Answers, Links};
 use crate::ring::MARGIN;
 use crate::sparse::{Points, Sparse, SparseRow, SparseView};
+use crate::stage::{Stage, StageClock, Untimed};
 use crate::{Config, ConfigError};
 
 /// Widest template, px.
@@ -56,7 +57,7 @@ impl Default for EnvelopeSettings {
 /// extrema is the disparity. Points come from segments along rows or along columns.
 ///
 /// `BLOCKS` is the capacity: [`blocks_for`](crate::blocks_for) the widest row.
-pub type EnvelopeStereo<const BLOCKS: usize> = Sparse<EnvelopePoints<BLOCKS>, ROWS, BLOCKS>;
+pub type EnvelopeStereo<const BLOCKS: usize, C = Untimed> = Sparse<EnvelopePoints<BLOCKS>, ROWS, BLOCKS, C>;
 
 impl<const BLOCKS: usize> EnvelopeStereo<BLOCKS> {
     /// Builds the method for rows of `config.width` px.
@@ -77,7 +78,17 @@ impl<const BLOCKS: usize> EnvelopeStereo<BLOCKS> {
         if !(3..=MAX_WIDTH).contains(&width) || width.is_multiple_of(2) {
             return Err(ConfigError::TemplateWidth);
         }
-        Self::build(config, EnvelopePoints { settings })
+        Self::build(config, EnvelopePoints { settings }, Untimed)
+    }
+}
+
+impl<const BLOCKS: usize, C: StageClock> EnvelopeStereo<BLOCKS, C> {
+    /// Builds the method for rows of `config.width` px, with a clock that is told of its stages.
+    ///
+    /// # Errors
+    /// If the configuration is invalid or the width over the capacity.
+    pub fn timed(config: Config, clock: C) -> Result<Self, ConfigError> {
+        Self::build(config, EnvelopePoints { settings: EnvelopeSettings::DEFAULT }, clock)
     }
 }
 
@@ -132,12 +143,16 @@ impl<const BLOCKS: usize> Points<ROWS, BLOCKS> for EnvelopePoints<BLOCKS> {
         self.settings.linked_only.then_some(LINKS)
     }
 
-    fn measure(&mut self, row: &SparseRow<'_, ROWS, BLOCKS>, answers: &mut Answers<BLOCKS>) {
+    fn measure(&mut self, row: &SparseRow<'_, ROWS, BLOCKS>, answers: &mut Answers<BLOCKS>, clock: &impl StageClock) {
+        clock.enter(Stage::Contours);
         let (mut left, mut right) = (Line::<BLOCKS>::along(row.left, row), Line::<BLOCKS>::along(row.right, row));
+        clock.enter(Stage::Blocks);
         self.answer(row, &left, &right, answers);
         if self.settings.columns {
+            clock.enter(Stage::Contours);
             left.turn(row.left, row);
             right.turn(row.right, row);
+            clock.enter(Stage::Blocks);
             self.answer(row, &left, &right, answers);
         }
     }
