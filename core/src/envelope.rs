@@ -242,7 +242,7 @@ impl<const BLOCKS: usize> EnvelopePoints<BLOCKS> {
     /// A difference as a cost of 48 pixels.
     fn per_window(&self, difference: i32) -> i32 {
         let width = i32::from(self.settings.template_width);
-        12 * difference / (width * width)
+        12 * difference / (width * width).max(1)
     }
 }
 
@@ -338,11 +338,10 @@ impl<const BLOCKS: usize> Line<BLOCKS> {
 /// Marks the middle of each run of equal values that both its neighbours lie below, or both above.
 fn mark_plateaus(values: &[i16], shapes: &mut [Shape]) {
     let mut start = 0;
-    for run in values.chunk_by(|a, b| a == b) {
-        let end = start + run.len();
+    while let Some((&here, rest)) = values.get(start..).and_then(<[i16]>::split_first) {
+        let end = start + 1 + rest.iter().take_while(|&&value| value == here).count();
         let before = start.checked_sub(1).and_then(|x| values.get(x));
-        if let (true, Some(&here), Some(&before), Some(&after)) = (run.len() > 1, run.first(), before, values.get(end))
-        {
+        if let (true, Some(&before), Some(&after)) = (end - start > 1, before, values.get(end)) {
             let [rise, fall] = [here - before, here - after];
             let is_extremum = rise.min(fall) >= LEAST_STEP || rise.max(fall) <= -LEAST_STEP;
             if let (true, Some(shape)) = (is_extremum, shapes.get_mut(usize::midpoint(start, end - 1))) {
