@@ -14,7 +14,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-ROOT = re.compile(r"Pipeline.*StereoMethod\S*::(push|miss|finish|start)::h")
+ROOT = re.compile(r"(?:Pipeline|Sparse).*StereoMethod\S*::(push|miss|finish|start)::h")
 PANIC = re.compile(r"core::panicking|core::cell::panic|_fail(::|$)|unwrap_failed|expect_failed")
 HEAD = re.compile(r"^[0-9a-f]+ <(.*)>:$")
 LINE = re.compile(r"^\s*([0-9a-f]+):\s+(\S+)(?:\s+(.*))?$")

@@ -10,6 +10,7 @@ use crate::pairing::{Choice, Pairing};
 use crate::ring::MARGIN;
 use crate::scales::Scales;
 use crate::sparse::{FEATURE_REACH, FEATURE_ROWS, Points, Sparse, SparseRow, SparseView};
+use crate::stage::{Stage, StageClock, Untimed};
 use crate::view::sum_rows;
 use crate::{Config, ConfigError};
 
@@ -98,8 +99,8 @@ const LEAST_BELOW: usize = FEATURE_ROWS / 2 + 1;
 /// contour.push(ScanlinePair { left: &left, right: &right }, &mut |_| ()).unwrap();
 /// # Ok::<(), haarline::ConfigError>(())
 /// ```
-pub type ContourStereo<const BLOCKS: usize, const ROWS: usize = { rows_for(1) }> =
-    Sparse<ContourPoints<BLOCKS>, ROWS, BLOCKS>;
+pub type ContourStereo<const BLOCKS: usize, const ROWS: usize = { rows_for(1) }, C = Untimed> =
+    Sparse<ContourPoints<BLOCKS>, ROWS, BLOCKS, C>;
 
 impl<const ROWS: usize, const BLOCKS: usize> Sparse<ContourPoints<BLOCKS>, ROWS, BLOCKS> {
     /// Builds the method for rows of `config.width` px.
@@ -115,8 +116,22 @@ impl<const ROWS: usize, const BLOCKS: usize> Sparse<ContourPoints<BLOCKS>, ROWS,
     /// # Errors
     /// If the configuration or a setting is invalid or over the capacity.
     pub fn with_settings(config: Config, settings: ContourSettings) -> Result<Self, ConfigError> {
+        Self::build_checked(config, settings, Untimed)
+    }
+}
+
+impl<const ROWS: usize, const BLOCKS: usize, C: StageClock> Sparse<ContourPoints<BLOCKS>, ROWS, BLOCKS, C> {
+    /// Builds the method for rows of `config.width` px, with a clock that is told of its stages.
+    ///
+    /// # Errors
+    /// If the configuration is invalid or over the capacity.
+    pub fn timed(config: Config, clock: C) -> Result<Self, ConfigError> {
+        Self::build_checked(config, ContourSettings::DEFAULT, clock)
+    }
+
+    fn build_checked(config: Config, settings: ContourSettings, clock: C) -> Result<Self, ConfigError> {
         settings.check(ROWS)?;
-        Self::build(config, ContourPoints { settings, left: ContourLine::new(), right: ContourLine::new() })
+        Self::build(config, ContourPoints { settings, left: ContourLine::new(), right: ContourLine::new() }, clock)
     }
 }
 
@@ -141,34 +156,38 @@ impl<const ROWS: usize, const BLOCKS: usize> Points<ROWS, BLOCKS> for ContourPoi
         self.settings.linked_only.then_some(LINKS)
     }
 
-    fn measure(&mut self, row: &SparseRow<'_, ROWS, BLOCKS>, answers: &mut Answers<BLOCKS>) {
+    fn measure(&mut self, row: &SparseRow<'_, ROWS, BLOCKS>, answers: &mut Answers<BLOCKS>, clock: &impl StageClock) {
         let cost = ContourCost::new(row);
         let settings = self.settings;
         let threshold = i32::from(settings.threshold).max(1);
         // The finer answer stands.
         for s in settings.rows.iter() {
+            clock.enter(Stage::Contours);
             for (view, contours) in [(row.left, &mut self.left), (row.right, &mut self.right)] {
                 find_upright(view, row, s, SUMMED * threshold * i32::from(s), settings.decimated, contours);
             }
-            self.answer(&cost, if settings.decimated { s } else { STEPS }, answers);
+            self.answer(&cost, if settings.decimated { s } else { STEPS }, answers, clock);
         }
         for s in settings.columns.iter() {
+            clock.enter(Stage::Contours);
             for (view, contours) in [(row.left, &mut self.left), (row.right, &mut self.right)] {
                 find_lying(view, row, s, threshold * i32::from(s), contours);
             }
-            self.answer(&cost, STEPS, answers);
+            self.answer(&cost, STEPS, answers, clock);
         }
     }
 }
 
 impl<const BLOCKS: usize> ContourPoints<BLOCKS> {
     /// Pairs the contours and answers the pixels beside them.
-    fn answer(&self, cost: &ContourCost<'_>, steps: u8, answers: &mut Answers<BLOCKS>) {
+    fn answer(&self, cost: &ContourCost<'_>, steps: u8, answers: &mut Answers<BLOCKS>, clock: &impl StageClock) {
+        clock.enter(Stage::Seeds);
         let (left, right) = (self.left.as_slice(), self.right.as_slice());
         let whole = |contour: Contour| i32::from(contour.column >> 4);
         let pairing = Pairing::<BLOCKS>::of(cost.config, left, right, UNIQUENESS, |left, right| {
             u16::try_from(cost.of(whole(left), whole(left) - whole(right))?).ok()
         });
+        clock.enter(Stage::Blocks);
         for (i, j, choice) in pairing.pairs() {
             if let (Some(&contour), Some(&other)) = (left.get(i), right.get(j)) {
                 let x = whole(contour);

@@ -7,6 +7,7 @@ use crate::haar::sum_121;
 use crate::linkage::{Answers, Links};
 use crate::ring::MARGIN;
 use crate::sparse::{Points, Sparse, SparseRow, SparseView};
+use crate::stage::{Stage, StageClock, Untimed};
 use crate::{Config, ConfigError};
 
 /// Widest template, px.
@@ -56,7 +57,7 @@ impl Default for EnvelopeSettings {
 /// extrema is the disparity. Points come from segments along rows or along columns.
 ///
 /// `BLOCKS` is the capacity: [`blocks_for`](crate::blocks_for) the widest row.
-pub type EnvelopeStereo<const BLOCKS: usize> = Sparse<EnvelopePoints<BLOCKS>, ROWS, BLOCKS>;
+pub type EnvelopeStereo<const BLOCKS: usize, C = Untimed> = Sparse<EnvelopePoints<BLOCKS>, ROWS, BLOCKS, C>;
 
 impl<const BLOCKS: usize> EnvelopeStereo<BLOCKS> {
     /// Builds the method for rows of `config.width` px.
@@ -77,7 +78,17 @@ impl<const BLOCKS: usize> EnvelopeStereo<BLOCKS> {
         if !(3..=MAX_WIDTH).contains(&width) || width.is_multiple_of(2) {
             return Err(ConfigError::TemplateWidth);
         }
-        Self::build(config, EnvelopePoints { settings })
+        Self::build(config, EnvelopePoints { settings }, Untimed)
+    }
+}
+
+impl<const BLOCKS: usize, C: StageClock> EnvelopeStereo<BLOCKS, C> {
+    /// Builds the method for rows of `config.width` px, with a clock that is told of its stages.
+    ///
+    /// # Errors
+    /// If the configuration is invalid or the width over the capacity.
+    pub fn timed(config: Config, clock: C) -> Result<Self, ConfigError> {
+        Self::build(config, EnvelopePoints { settings: EnvelopeSettings::DEFAULT }, clock)
     }
 }
 
@@ -132,12 +143,16 @@ impl<const BLOCKS: usize> Points<ROWS, BLOCKS> for EnvelopePoints<BLOCKS> {
         self.settings.linked_only.then_some(LINKS)
     }
 
-    fn measure(&mut self, row: &SparseRow<'_, ROWS, BLOCKS>, answers: &mut Answers<BLOCKS>) {
+    fn measure(&mut self, row: &SparseRow<'_, ROWS, BLOCKS>, answers: &mut Answers<BLOCKS>, clock: &impl StageClock) {
+        clock.enter(Stage::Contours);
         let (mut left, mut right) = (Line::<BLOCKS>::along(row.left, row), Line::<BLOCKS>::along(row.right, row));
+        clock.enter(Stage::Blocks);
         self.answer(row, &left, &right, answers);
         if self.settings.columns {
+            clock.enter(Stage::Contours);
             left.turn(row.left, row);
             right.turn(row.right, row);
+            clock.enter(Stage::Blocks);
             self.answer(row, &left, &right, answers);
         }
     }
@@ -227,7 +242,7 @@ impl<const BLOCKS: usize> EnvelopePoints<BLOCKS> {
     /// A difference as a cost of 48 pixels.
     fn per_window(&self, difference: i32) -> i32 {
         let width = i32::from(self.settings.template_width);
-        12 * difference / (width * width)
+        12 * difference / (width * width).max(1)
     }
 }
 
@@ -323,11 +338,10 @@ impl<const BLOCKS: usize> Line<BLOCKS> {
 /// Marks the middle of each run of equal values that both its neighbours lie below, or both above.
 fn mark_plateaus(values: &[i16], shapes: &mut [Shape]) {
     let mut start = 0;
-    for run in values.chunk_by(|a, b| a == b) {
-        let end = start + run.len();
+    while let Some((&here, rest)) = values.get(start..).and_then(<[i16]>::split_first) {
+        let end = start + 1 + rest.iter().take_while(|&&value| value == here).count();
         let before = start.checked_sub(1).and_then(|x| values.get(x));
-        if let (true, Some(&here), Some(&before), Some(&after)) = (run.len() > 1, run.first(), before, values.get(end))
-        {
+        if let (true, Some(&before), Some(&after)) = (end - start > 1, before, values.get(end)) {
             let [rise, fall] = [here - before, here - after];
             let is_extremum = rise.min(fall) >= LEAST_STEP || rise.max(fall) <= -LEAST_STEP;
             if let (true, Some(shape)) = (is_extremum, shapes.get_mut(usize::midpoint(start, end - 1))) {

@@ -6,6 +6,7 @@ use crate::exposure::Exposure;
 use crate::linkage::{AnswerRing, Answers, LINK_REACH, Links};
 use crate::noise::{Noise, SmoothingLevel};
 use crate::pipeline::blocks_for;
+use crate::stage::{Stage, StageClock, Untimed};
 use crate::view::{SMOOTH_LAG, View};
 use crate::{Config, ConfigError, DisparityRow, Reading, RowError, ScanlinePair, StereoMethod};
 
@@ -35,8 +36,8 @@ pub trait Points<const ROWS: usize, const BLOCKS: usize> {
     /// The links without which a point is left out.
     fn links(&self) -> Option<Links>;
 
-    /// Measures the points of the row.
-    fn measure(&mut self, row: &SparseRow<'_, ROWS, BLOCKS>, answers: &mut Answers<BLOCKS>);
+    /// Measures the points of the row, and tells `clock` of its stages.
+    fn measure(&mut self, row: &SparseRow<'_, ROWS, BLOCKS>, answers: &mut Answers<BLOCKS>, clock: &impl StageClock);
 }
 
 /// A row that is due: everything that its points may be measured by.
@@ -53,7 +54,7 @@ pub struct SparseRow<'a, const ROWS: usize, const BLOCKS: usize> {
 /// `BLOCKS` is the capacity, [`blocks_for`] the widest row; `ROWS` the smoothed rows that are kept. Of
 /// the same rows every capacity makes the same answer. All pixels without a point are unknown.
 #[derive(Debug, Clone)]
-pub struct Sparse<M, const ROWS: usize, const BLOCKS: usize> {
+pub struct Sparse<M, const ROWS: usize, const BLOCKS: usize, C = Untimed> {
     config: Config,
     points: M,
     left: SparseView<ROWS, BLOCKS>,
@@ -71,11 +72,12 @@ pub struct Sparse<M, const ROWS: usize, const BLOCKS: usize> {
     answered: u32,
     /// Which of the last 64 rows were missing: more than the latency.
     missing: u64,
+    clock: C,
 }
 
-impl<M: Points<ROWS, BLOCKS>, const ROWS: usize, const BLOCKS: usize> Sparse<M, ROWS, BLOCKS> {
-    /// A method of `points`, whose settings are checked.
-    pub(crate) fn build(config: Config, points: M) -> Result<Self, ConfigError> {
+impl<M: Points<ROWS, BLOCKS>, const ROWS: usize, const BLOCKS: usize, C: StageClock> Sparse<M, ROWS, BLOCKS, C> {
+    /// A method of `points`, whose settings are checked; `clock` is told of its stages.
+    pub(crate) fn build(config: Config, points: M, clock: C) -> Result<Self, ConfigError> {
         config.check()?;
         if blocks_for(config.width) > BLOCKS {
             let max_width = u16::try_from(4 * BLOCKS.saturating_sub(blocks_for(0))).unwrap_or(u16::MAX);
@@ -94,6 +96,7 @@ impl<M: Points<ROWS, BLOCKS>, const ROWS: usize, const BLOCKS: usize> Sparse<M, 
             rows: 0,
             answered: 0,
             missing: 0,
+            clock,
         })
     }
 
@@ -132,6 +135,7 @@ impl<M: Points<ROWS, BLOCKS>, const ROWS: usize, const BLOCKS: usize> Sparse<M, 
             if self.measured > LINK_ROWS {
                 self.answer(sink);
             }
+            self.clock.enter(Stage::Features);
         }
     }
 
@@ -142,16 +146,18 @@ impl<M: Points<ROWS, BLOCKS>, const ROWS: usize, const BLOCKS: usize> Sparse<M, 
         let answers = self.answers.push();
         if y < self.rows && self.missing >> (y % 64) & 1 == 0 {
             let row = SparseRow { config: &self.config, y: i64::from(y), left: &self.left, right: &self.right };
-            self.points.measure(&row, answers);
+            self.points.measure(&row, answers, &self.clock);
         }
     }
 
     /// Delivers the next row.
     fn answer(&mut self, sink: &mut dyn FnMut(DisparityRow<'_>)) {
         let width = usize::from(self.config.width);
+        self.clock.enter(Stage::Consistency);
         self.answers.answer(width, self.points.links(), &mut self.out);
         let disparity = self.out.disparity.as_flattened().get(..width).unwrap_or(&[]);
         let confidence = self.out.confidence.as_flattened().get(..width).unwrap_or(&[]);
+        self.clock.enter(Stage::Output);
         sink(DisparityRow { y: self.answered, disparity, confidence });
         self.answered += 1;
     }
@@ -196,7 +202,9 @@ fn count_smoothing(level: SmoothingLevel, pixels: usize) {
     count::additions(additions * pixels);
 }
 
-impl<M: Points<ROWS, BLOCKS>, const ROWS: usize, const BLOCKS: usize> StereoMethod for Sparse<M, ROWS, BLOCKS> {
+impl<M: Points<ROWS, BLOCKS>, const ROWS: usize, const BLOCKS: usize, C: StageClock> StereoMethod
+    for Sparse<M, ROWS, BLOCKS, C>
+{
     fn config(&self) -> &Config {
         &self.config
     }
@@ -212,6 +220,7 @@ impl<M: Points<ROWS, BLOCKS>, const ROWS: usize, const BLOCKS: usize> StereoMeth
 
     fn push(&mut self, pair: ScanlinePair<'_>, sink: &mut dyn FnMut(DisparityRow<'_>)) -> Result<(), RowError> {
         pair.check(self.config.width)?;
+        self.clock.enter(Stage::Features);
         self.left.raw.push_pixels(pair.left);
         self.right.raw.push_pixels(pair.right);
         self.missing &= !(1 << (self.rows % 64));
@@ -222,6 +231,7 @@ impl<M: Points<ROWS, BLOCKS>, const ROWS: usize, const BLOCKS: usize> StereoMeth
     }
 
     fn miss(&mut self, sink: &mut dyn FnMut(DisparityRow<'_>)) {
+        self.clock.enter(Stage::Features);
         self.left.raw.push_again();
         self.right.raw.push_again();
         self.set_missing(true);
@@ -229,6 +239,7 @@ impl<M: Points<ROWS, BLOCKS>, const ROWS: usize, const BLOCKS: usize> StereoMeth
     }
 
     fn finish(&mut self, sink: &mut dyn FnMut(DisparityRow<'_>)) {
+        self.clock.enter(Stage::Features);
         // The last row stands in for those below the image until all rows are answered.
         while self.answered < self.rows {
             self.left.raw.push_again();

@@ -98,14 +98,15 @@ pub(super) fn walk<const N: usize, F: FnMut(&[i32; N]) -> Option<i32>>(
         let responses: [Option<Response>; N] =
             core::array::from_fn(|j| if tracks[j].is_done { None } else { cost.respond(settings, &at, j, start) });
         let range = *range.get_or_insert_with(|| range_of(&responses));
-        if range == 0 {
+        // It is never negative; where that is plain to see, so is that no division overflows.
+        if range <= 0 {
             return None;
         }
-        for (j, track) in tracks.iter_mut().enumerate().filter(|(_, track)| !track.is_done) {
-            match responses[j] {
-                Some(response) => {
-                    at[j] = track.advance(at[j], response, range, start, [settings.lower[j], settings.upper[j]])
-                }
+        let domains = settings.lower.into_iter().zip(settings.upper);
+        for (((track, at), response), (lower, upper)) in tracks.iter_mut().zip(&mut at).zip(responses).zip(domains) {
+            match response {
+                _ if track.is_done => {}
+                Some(response) => *at = track.advance(*at, response, range, start, [lower, upper]),
                 None => track.is_done = true,
             }
         }

@@ -7,18 +7,20 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use anyhow::{Context, Result, bail, ensure};
-use clap::builder::PossibleValuesParser;
-use haarline::wiring::{First, Kind, Skew};
-use haarline::{ScanlinePair, Stage, Wiring};
+use haarline::wiring::{First, Kind};
+use haarline::{Stage, Wiring};
 use serde::Serialize;
 
-use super::shared::SearchRange;
-use super::{Finding, print};
+use super::shared::{SearchRange, WiringArgs};
+use super::{Finding, natural_number, number, print};
+use crate::degrade::Degradation;
 use crate::method::MethodKind;
 use crate::output;
+use crate::raw_dump::{RawFormat, ViewSize};
 use crate::recording::{Layout, Side, find_frames};
 use crate::twin::elf::{self, Memory};
 use crate::twin::estimate::{CHIPS, Estimate};
+use crate::twin::footage::Footage;
 use crate::twin::machine::Machine;
 use crate::twin::rows::decode;
 use crate::twin::{Report, Request};
@@ -35,12 +37,24 @@ pub(super) struct Args {
     left: Option<PathBuf>,
     /// Right view
     right: Option<PathBuf>,
-    /// Instead of a pair: folder with the folders left and right, or with images of both views (--side-by-side)
+    /// Instead of a pair: folder with the folders left and right, or with images of both views
+    /// (--side-by-side), or file with the bytes that a camera port stored (--raw)
     #[arg(long, value_name = "DIR")]
     recording: Option<PathBuf>,
     /// The recording's images hold both views, that of this camera in the left half
     #[arg(long, value_enum, value_name = "CAMERA", requires = "recording")]
     side_by_side: Option<Side>,
+    /// The recording is a raw dump, frame after frame without any header, which is played as it is; the
+    /// size is that of one view, px
+    #[arg(long, value_name = "WIDTHxHEIGHT", requires = "recording", conflicts_with = "side_by_side")]
+    raw: Option<ViewSize>,
+    /// Adds Gaussian noise to both views as eval does, if the views lie in the scene's folder: standard
+    /// deviation, grey levels
+    #[arg(long, value_name = "SIGMA", default_value_t = 0.0, allow_hyphen_values = true, value_parser = number, conflicts_with = "raw")]
+    noise: f64,
+    /// Seed of the noise
+    #[arg(long, value_name = "S", default_value_t = 0, allow_hyphen_values = true, value_parser = natural_number)]
+    seed: u64,
     /// Frames to play; the recording begins again where it ends [default: each once]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     frames: Option<u32>,
@@ -52,12 +66,8 @@ pub(super) struct Args {
     /// The emulated machine: Cortex-M4F or M7
     #[arg(long, value_enum, default_value_t = Machine::An386)]
     machine: Machine,
-    /// In which order the two cameras' pixels come
-    #[arg(long, value_parser = PossibleValuesParser::new(Kind::ALL.iter().map(|kind| kind.name())), default_value = "side-by-side")]
-    wiring: String,
-    /// The camera that comes first
-    #[arg(long, value_parser = PossibleValuesParser::new(First::ALL.iter().map(|first| first.name())), default_value = "left")]
-    first: String,
+    #[command(flatten)]
+    wiring: WiringArgs,
     /// Lets something go wrong at the camera in a frame, counted from 0: lost-line, short, long, overrun,
     /// garbage, stall or burst
     #[arg(long, value_name = "KIND@FRAME", value_parser = fault)]
@@ -93,8 +103,11 @@ struct Summary {
     height: usize,
     min_disparity: i16,
     num_disparities: u16,
-    wiring: String,
-    first: String,
+    noise: f64,
+    seed: u64,
+    wiring: &'static str,
+    first: &'static str,
+    skew: &'static str,
     frames: u32,
     fault: Option<String>,
     /// `total` and one entry a stage.
@@ -118,19 +131,14 @@ struct Summary {
 
 impl Args {
     pub(super) fn run(self) -> Result<()> {
-        let pairs = self.read()?;
-        let (width, height) = (pairs[0].width(), pairs[0].height());
-        let other = pairs.iter().position(|pair| (pair.width(), pair.height()) != (width, height));
-        ensure!(other.is_none(), "frame {} has another size than the first", other.unwrap_or_default());
-        let config = self.search.config(width as u16)?;
-        let recorded = u32::try_from(pairs.len()).context("the recording")?;
+        let footage = self.read()?;
+        let ViewSize { width, height } = footage.format.size;
+        let config = self.search.config(width)?;
+        let (width, height) = (usize::from(width), usize::from(height));
+        let recorded = u32::try_from(footage.pairs.len()).context("the recording")?;
         let frames = self.frames.unwrap_or(recorded);
         let fits = u64::from(frames) * (width * height * 3) as u64 <= MOST_KEPT;
-        let method = self.method.name();
-        let wiring = [
-            static_name(Kind::ALL.iter().map(|k| k.name()), &self.wiring)?,
-            static_name(First::ALL.iter().map(|f| f.name()), &self.first)?,
-        ];
+        let (method, wiring) = (self.method, footage.format.wiring);
         let keep = if fits { frames } else { recorded };
         let fault = self.fault.clone();
         let request = Request { config, height, recorded, frames, keep, method, wiring, fault };
@@ -141,17 +149,17 @@ impl Args {
 
         let elf = self.elf.clone().map_or_else(elf::build, Ok)?;
         let program = fs::read(&elf).with_context(|| format!("{}: cannot be read", elf.display()))?;
-        let memory = elf::memory(&program, method).with_context(|| elf.display().to_string())?;
+        let memory = elf::memory(&program, method.name()).with_context(|| elf.display().to_string())?;
         let folder = tempfile::tempdir().context("a folder for the run")?;
         let file = |name: &str| folder.path().join(name);
         fs::write(file("twin.elf"), &program).context("a folder for the run")?;
-        fs::write(file("raw.bin"), self.raw(&pairs)?).context("a folder for the run")?;
+        fs::write(file("raw.bin"), &footage.raw).context("a folder for the run")?;
         self.machine.run(folder.path(), "twin.elf", &request.arguments(), Duration::from_secs(self.timeout))?;
 
         let report = Report::read(&file("report.txt"))?;
         let maps = decode(fs::read(file("rows.bin")).context("the program left no results")?, [width, height])?;
         self.write(&maps)?;
-        let different = self.compare(&pairs, &maps, &request)?;
+        let different = self.compare(&footage.pairs, &maps, &request)?;
         let summary = self.summary(&request, &report, memory, maps.len(), different)?;
         print(&if self.json { serde_json::to_string(&summary)? + "\n" } else { summary.text() })?;
         let damaged = request.damaged();
@@ -160,30 +168,34 @@ impl Args {
         Ok(())
     }
 
-    /// All frames, in order.
-    fn read(&self) -> Result<Vec<StereoPair>> {
+    /// All frames, in order, as the port stores them.
+    fn read(&self) -> Result<Footage> {
+        if let (Some(size), Some(file)) = (self.raw, &self.recording) {
+            return Footage::read(file, RawFormat { size, wiring: self.wiring.get_required()? });
+        }
+        let first = if self.wiring.first == Some(Side::Right) { First::Right } else { First::Left };
+        let wiring = self.wiring.get()?.unwrap_or(Wiring::new(Kind::SideBySide, first));
+        let mut pairs = self.read_pairs()?;
+        let noise = self.noise;
+        ensure!((0.0..=255.0).contains(&noise), "--noise {noise}: must be 0 to 255");
+        let degradation = Degradation { noise, seed: self.seed, ..Degradation::default() };
+        for (name, pair) in &mut pairs {
+            degradation.apply(name, pair);
+        }
+        Footage::record(&pairs.into_iter().map(|(_, pair)| pair).collect::<Vec<_>>(), wiring)
+    }
+
+    /// All frames, with the names that tell their noise apart: that of the scene's folder or of the frame.
+    fn read_pairs(&self) -> Result<Vec<(String, StereoPair)>> {
         if let (Some(left), Some(right)) = (&self.left, &self.right) {
-            return Ok(vec![StereoPair::read(left, right)?]);
+            let pair = StereoPair::read(left, right)?;
+            let path = left.canonicalize().with_context(|| left.display().to_string())?;
+            let scene = path.parent().and_then(Path::file_name).unwrap_or_default();
+            return Ok(vec![(scene.to_string_lossy().into_owned(), pair)]);
         }
         let Some(folder) = &self.recording else { bail!("two views are needed, or --recording") };
         let layout = self.side_by_side.map_or(Layout::Folders, |first| Layout::SideBySide { first });
-        find_frames(folder, layout)?.iter().map(|frame| frame.read()).collect()
-    }
-
-    /// What the cameras' port would store.
-    fn raw(&self, pairs: &[StereoPair]) -> Result<Vec<u8>> {
-        let kind = Kind::from_name(&self.wiring).context("--wiring")?;
-        let first = First::from_name(&self.first).context("--first")?;
-        let wiring = Wiring { kind, first, skew: Skew::None };
-        let mut bytes = Vec::new();
-        for pair in pairs {
-            for y in 0..pair.height() {
-                let at = bytes.len();
-                bytes.resize(at + wiring.row_bytes(pair.width() as u16), 0);
-                wiring.pack(ScanlinePair { left: pair.left.row(y), right: pair.right.row(y) }, &mut bytes[at..])?;
-            }
-        }
-        Ok(bytes)
+        find_frames(folder, layout)?.into_iter().map(|frame| Ok((frame.name.clone(), frame.read()?))).collect()
     }
 
     fn write(&self, maps: &BTreeMap<u32, DisparityMap>) -> Result<()> {
@@ -223,15 +235,18 @@ impl Args {
         }
         let frame_pixels = (width * request.height) as f64;
         Ok(Summary {
-            method: request.method,
+            method: request.method.name(),
             machine: self.machine.name(),
             core: self.machine.core(),
             width,
             height: request.height,
             min_disparity: request.config.min_disparity,
             num_disparities: request.config.num_disparities,
-            wiring: self.wiring.clone(),
-            first: self.first.clone(),
+            noise: self.noise,
+            seed: self.seed,
+            wiring: request.wiring.kind.name(),
+            first: request.wiring.first.name(),
+            skew: request.wiring.skew.name(),
             frames: request.frames,
             fault: self.fault.clone(),
             instructions_per_pixel,
@@ -248,10 +263,6 @@ impl Args {
             different_frames,
         })
     }
-}
-
-fn static_name(mut names: impl Iterator<Item = &'static str>, wanted: &str) -> Result<&'static str> {
-    names.find(|name| *name == wanted).with_context(|| format!("{wanted:?} is not known"))
 }
 
 /// The name for one of several maps.

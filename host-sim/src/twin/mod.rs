@@ -2,6 +2,7 @@
 
 pub mod elf;
 pub mod estimate;
+pub mod footage;
 pub mod machine;
 pub mod rows;
 
@@ -9,7 +10,9 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use anyhow::{Context, Result, ensure};
-use haarline::{Config, Stage};
+use haarline::{Config, Stage, Wiring};
+
+use crate::method::MethodKind;
 
 /// What the program reported: counts by name.
 #[derive(Debug, Clone, Default)]
@@ -69,10 +72,10 @@ pub struct Request {
     pub frames: u32,
     /// Frames at the beginning and at the end whose disparities are kept.
     pub keep: u32,
-    /// Name of the method.
-    pub method: &'static str,
-    /// How the cameras are wired to the port, and which one comes first.
-    pub wiring: [&'static str; 2],
+    /// The method.
+    pub method: MethodKind,
+    /// How the cameras are wired to the port.
+    pub wiring: Wiring,
     /// `KIND@FRAME`.
     pub fault: Option<String>,
 }
@@ -82,7 +85,7 @@ impl Request {
     #[must_use]
     pub fn arguments(&self) -> Vec<String> {
         let Config { width, min_disparity, num_disparities } = self.config;
-        let Self { height, recorded, frames, keep, method, wiring: [wiring, first], .. } = self;
+        let Self { height, recorded, frames, keep, method, wiring, .. } = self;
         let mut arguments = vec![
             format!("width={width}"),
             format!("height={height}"),
@@ -92,8 +95,9 @@ impl Request {
             format!("frames={frames}"),
             format!("keep={keep}"),
             format!("method={method}"),
-            format!("wiring={wiring}"),
-            format!("first={first}"),
+            format!("wiring={}", wiring.kind.name()),
+            format!("first={}", wiring.first.name()),
+            format!("skew={}", wiring.skew.name()),
         ];
         arguments.extend(self.fault.iter().map(|fault| format!("fault={fault}")));
         arguments
@@ -108,10 +112,15 @@ impl Request {
     /// Checks what only the program's memory limits.
     ///
     /// # Errors
-    /// If the views are too wide, or the fault is in no frame.
+    /// If the views are too wide, the fault is in no frame, or the method is a reference that no chip has.
     pub fn check(&self) -> Result<()> {
         let width = self.config.width;
         ensure!(width <= 320, "the views are {width} px wide, the emulated application takes up to 320: scale them");
+        ensure!(
+            !matches!(self.method, MethodKind::Ssd | MethodKind::Ncc),
+            "--method {}: runs on the host only, the reference on the chip is block",
+            self.method
+        );
         let frame = self.damaged();
         ensure!(
             frame.is_none_or(|frame| frame < self.frames),

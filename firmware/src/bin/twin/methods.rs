@@ -1,7 +1,8 @@
 //! The stereo methods, each with its place in memory. The sizes of these statics are what the host
 //! reports as the methods' memory.
 
-use haarline::{ConfigError, Full, Lite, StereoMethod, blocks_for};
+use haarline::contour_stereo::rows_for;
+use haarline::{ConfigError, ContourStereo, EnvelopeStereo, Full, Lite, StereoMethod, WaveletBlock, blocks_for};
 use haarline_firmware::ring::MAX_WIDTH;
 use haarline_tests::{BlockSettings, StereoBm};
 use static_cell::StaticCell;
@@ -17,6 +18,9 @@ type Clock = &'static TwinClock;
 
 static METHOD_LITE: StaticCell<Lite<BLOCKS, Clock>> = StaticCell::new();
 static METHOD_FULL: StaticCell<Full<BLOCKS, Clock>> = StaticCell::new();
+static METHOD_WAVELET_BLOCK: StaticCell<WaveletBlock<BLOCKS, Clock>> = StaticCell::new();
+static METHOD_CONTOUR: StaticCell<ContourStereo<BLOCKS, { rows_for(1) }, Clock>> = StaticCell::new();
+static METHOD_ENVELOPE: StaticCell<EnvelopeStereo<BLOCKS, Clock>> = StaticCell::new();
 static METHOD_BLOCK: StaticCell<StereoBm<MAX_WIDTH, BLOCK_DISPARITIES, 9, Clock>> = StaticCell::new();
 
 /// Builds the method that is asked for.
@@ -29,6 +33,9 @@ pub fn build(options: &Options, clock: Clock) -> Result<&'static mut dyn StereoM
     Ok(match options.method {
         Method::Lite => METHOD_LITE.init(Lite::timed(options.config, clock).map_err(refused)?),
         Method::Full => METHOD_FULL.init(Full::timed(options.config, clock).map_err(refused)?),
+        Method::WaveletBlock => METHOD_WAVELET_BLOCK.init(WaveletBlock::timed(options.config, clock).map_err(refused)?),
+        Method::Contour => METHOD_CONTOUR.init(ContourStereo::timed(options.config, clock).map_err(refused)?),
+        Method::Envelope => METHOD_ENVELOPE.init(EnvelopeStereo::timed(options.config, clock).map_err(refused)?),
         Method::Block => {
             METHOD_BLOCK.init(StereoBm::timed(options.config, BlockSettings::default(), clock).map_err(refused)?)
         }

@@ -28,6 +28,9 @@ pub struct Options {
 pub enum Method {
     Lite,
     Full,
+    WaveletBlock,
+    Contour,
+    Envelope,
     Block,
 }
 
@@ -79,6 +82,9 @@ impl Method {
         match name {
             "lite" => Ok(Self::Lite),
             "full" => Ok(Self::Full),
+            "wavelet-block" => Ok(Self::WaveletBlock),
+            "contour" => Ok(Self::Contour),
+            "envelope" => Ok(Self::Envelope),
             "block" => Ok(Self::Block),
             _ => Err("the method is not known"),
         }
