@@ -7,6 +7,8 @@ use crate::scene::bench_with_scenes;
 use crate::tool::Bench;
 
 const STUDIES: [&str; 6] = ["envelope", "detail", "noise", "schwefel", "alignment", "block"];
+/// Those that look at frames.
+const ON_FRAMES: [&str; 4] = ["envelope", "detail", "alignment", "block"];
 
 /// The files in the folder `name`, by name.
 fn files(bench: &Bench, name: &str) -> BTreeMap<String, Vec<u8>> {
@@ -30,14 +32,12 @@ fn assert_whole_page(page: &str, files: &BTreeMap<String, Vec<u8>>) {
     }
 }
 
-#[test]
-fn all_of_them_make_one_page_of_everything_they_write() {
-    let bench = Bench::new();
-    let told = bench.succeeds("study all -o out/studies --seed 3").stdout;
-    let files = files(&bench, "out/studies");
+/// Every study's tables and plots, all of them in the page, and the tables' ends on the terminal too.
+#[track_caller]
+fn assert_all_studies(files: &BTreeMap<String, Vec<u8>>, told: &str) {
     let page = text(&files["index.html"]);
-    assert_whole_page(page, &files);
-    for words in ["haarline study all -o DIR --seed 3", "rendered scenes", "prefers-color-scheme", "<nav"] {
+    assert_whole_page(page, files);
+    for words in ["haarline study all -o DIR --seed 3 --scenes scenes", "prefers-color-scheme", "<nav"] {
         assert!(page.contains(words), "{words}");
     }
     for study in STUDIES {
@@ -56,14 +56,48 @@ fn all_of_them_make_one_page_of_everything_they_write() {
     }
 }
 
+/// The files without what was measured in time: columns and plots that say so, and the page, which shows them.
+fn without_times(mut files: BTreeMap<String, Vec<u8>>) -> BTreeMap<String, Vec<u8>> {
+    let count = files.len();
+    files.retain(|name, _| name != "index.html" && !name.ends_with("_measured.svg"));
+    assert_eq!(files.len(), count - 2, "the page and one plot of times");
+    for (_, bytes) in files.iter_mut().filter(|(name, _)| name.ends_with(".csv")) {
+        let mut reader = csv::Reader::from_reader(bytes.as_slice());
+        let headings = reader.headers().unwrap().clone();
+        let records = std::iter::once(headings.clone()).chain(reader.records().map(Result::unwrap));
+        let mut writer = csv::Writer::from_writer(Vec::new());
+        for record in records {
+            let kept = record.iter().zip(&headings).filter(|(_, heading)| !heading.contains("(measured)"));
+            writer.write_record(kept.map(|(cell, _)| cell)).unwrap();
+        }
+        *bytes = writer.into_inner().unwrap();
+    }
+    files
+}
+
 #[test]
-fn the_seed_decides_every_byte() {
+fn all_of_them_make_one_page_and_the_seed_decides_every_byte_but_times() {
+    let bench = bench_with_scenes();
+    let [told, _] =
+        ["a", "b"].map(|folder| bench.succeeds(&format!("study all -o out/{folder} --seed 3 --scenes scenes")).stdout);
+    let [a, b] = ["out/a", "out/b"].map(|folder| files(&bench, folder));
+    assert_all_studies(&a, &told);
+    let [a, b] = [a, b].map(without_times);
+    assert_eq!(a.keys().collect::<Vec<_>>(), b.keys().collect::<Vec<_>>());
+    for (name, bytes) in &a {
+        assert!(*bytes == b[name], "{name}: the same seed in another folder");
+    }
+}
+
+#[test]
+fn without_scenes_frames_are_rendered_from_the_seed() {
     let bench = Bench::new();
     for (folder, seed) in [("a", 0), ("b", 0), ("c", 1)] {
-        bench.succeeds(&format!("study all -o {folder} --seed {seed}"));
+        bench.succeeds(&format!("study envelope -o {folder} --seed {seed}"));
     }
     let [a, b, c] = ["a", "b", "c"].map(|folder| files(&bench, folder));
-    assert!(a == b, "the same seed in another folder");
+    assert!(text(&a["envelope.html"]).contains("rendered scenes"));
+    assert!(a == b, "the same seed in another folder, the page too");
     assert_ne!(a["envelope_matches.csv"], c["envelope_matches.csv"]);
 }
 
@@ -102,7 +136,7 @@ fn views_without_texture_are_no_fault() {
     let mut scene = crate::scene::three_scenes()[0].clone();
     scene.pair = crate::scene::Pair::blank(scene.pair.width, scene.pair.height);
     scene.write(&bench, "blank");
-    for study in STUDIES {
+    for study in ON_FRAMES {
         let told = bench.succeeds(&format!("study {study} -o out --scenes blank")).stdout;
         assert!(!told.contains("NaN") && !told.contains("inf "), "{told}");
     }
@@ -112,7 +146,7 @@ fn views_without_texture_are_no_fault() {
 fn the_narrowest_view_is_no_fault() {
     let bench = Bench::new();
     crate::scene::Scene::new("narrow", "indoor", [32, 5], [2, 4]).write(&bench, "narrow");
-    for study in STUDIES {
+    for study in ON_FRAMES {
         bench.succeeds(&format!("study {study} -o out --scenes narrow"));
     }
 }

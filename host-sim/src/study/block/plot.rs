@@ -1,5 +1,7 @@
 //! The plot of the study: how wrong the methods are against what they cost.
 
+use std::mem::discriminant;
+
 use anyhow::Result;
 
 use super::{ENTRIES, Entry, Kind, Trial, find};
@@ -19,11 +21,13 @@ pub(super) fn tot2_against_operations(trials: &[Trial]) -> Result<Plot> {
     let y = points.iter().map(|trial| place(trial)[1]).chain([0.0]);
     let (x, y) = (Axis::around("operations per pixel", x), Axis::around("tot2, % of the scored pixels", y));
     let charts = FRAMES.map(|frames| {
-        let layer = |(index, entry): (usize, &Entry)| {
-            let point = find(trials, entry.name, frames).map(place);
-            Layer::new(entry.name, index, mark(entry), point)
-        };
-        let layers = shown().enumerate().map(layer).collect();
+        let mut layers: Vec<Layer> = Vec::new();
+        for entry in shown() {
+            let (point, mark) = (find(trials, entry.name, frames).map(place), mark(entry));
+            let is_alike = |layer: &&Layer| discriminant(&layer.mark) == discriminant(&mark);
+            let colour = layers.iter().filter(is_alike).count();
+            layers.push(Layer::new(entry.name, colour, mark, point));
+        }
         Chart { title: frames.to_owned(), x: x.clone(), y: y.clone(), layers }
     });
     let caption = "tot2 (lower is better) against counted operations per pixel (left is cheaper), on clean frames and \
@@ -42,7 +46,7 @@ fn is_dense(entry: &Entry) -> bool {
     !matches!(entry.kind, Kind::Contour(_) | Kind::Method(MethodKind::Contour | MethodKind::Envelope))
 }
 
-/// Triangles for the wavelet-modified forms, so that a colour may come twice.
+/// Triangles for the wavelet-modified forms: there are more methods than colours.
 fn mark(entry: &Entry) -> Mark {
     match entry.kind {
         Kind::Wavelet(_) => Mark::Triangles { down: false },
