@@ -201,7 +201,8 @@ fn table(trials: &[Trial]) -> Table {
         caption: "Means over the scenes. bad1, bad2: off by more than 1, 2 px, of the answered. tot2: the same with \
                   unanswered as bad, of the scored. Location error: mean |d - truth| of the answered. An evaluation \
                   is the cost of one disparity of one pixel in block, ssd and ncc, by running sums, and of one \
-                  disparity of a block of 4 x 4 pixels in the others, all differences anew."
+                  disparity of a block of 4 x 4 pixels in wavelet-block, lite and full, and of a pair of contours or of \
+                  templates in contour and envelope, all differences anew."
             .to_owned(),
         columns: columns.map(str::to_owned).to_vec(),
         rows: trials.iter().map(row).collect(),

@@ -74,7 +74,7 @@ fn made_by(origin: &Origin<'_>) -> Markup {
             dt { "seed" } dd { (origin.seed) }
             dt { "frames" } dd { (origin.scenes) }
         }
-        p { "The same command gives the same figures, but for times: their columns are marked as measured." }
+        p { "The same command gives the same figures, but for times: their columns and plots are marked as measured." }
     }
 }
 

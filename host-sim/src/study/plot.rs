@@ -325,7 +325,7 @@ mod tests {
         let entries: Vec<&Layer> = layers.iter().collect();
         let (places, lines) = legend_places(&entries, 300);
         assert_eq!(lines, 3);
-        assert_eq!(places.iter().map(|place| place.1).collect::<Vec<_>>()[1..3], [[158, 0], [60, 24]]);
+        assert_eq!(places.iter().map(|place| place.1).collect::<Vec<_>>()[1..3], [[152, 0], [60, 24]]);
         assert_eq!(legend_places(&[], 300).1, 0);
     }
 

@@ -100,10 +100,10 @@ impl Comparison {
 /// Whether the claim holds, with and without the check of links.
 pub(super) fn text(comparisons: &[Comparison]) -> String {
     format!(
-        "Is bad2 at contour points not above StereoBM's at the same points, as wanted? {} {} So \
-         the check of links, which leaves out the points that those around them do not support, is part of the answer. \
-         Threshold, supports and links of contour were chosen on the scenes of the project's benchmark, \
-         so on these scenes if they are the ones given here: a fit to them is part of the figures.",
+        "Is bad2 at contour points not above StereoBM's at the same points, as wanted? {} {} The check of links leaves out \
+         the points that those around them do not support, so these are two sets of points; how few remain is contour's \
+         density in the table above. Threshold, supports and links of contour were chosen on the real scenes of the \
+         project's benchmark (data/qvga): where the figures are of these scenes, a fit to them is part of them.",
         verdict(comparisons, PAIRS[0]),
         verdict(comparisons, PAIRS[2]),
     )

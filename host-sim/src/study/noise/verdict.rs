@@ -94,7 +94,7 @@ pub(super) fn musts(kinds: &[(Shape, Vec<Found>)]) -> String {
     });
     format!(
         "Wanted at SNR {RATIO}: at least {FEWER} times fewer evaluations and no larger mean error than the basic methods. \
-         Holds: {verdict}. {} Where it is not significant, no larger error was measured, but a smaller one is not shown.",
+         Holds: {verdict}. {} A difference that is not significant shows neither a larger error nor a smaller one.",
         leads.join(" ")
     )
 }
