@@ -12,6 +12,7 @@ import subprocess
 import sys
 import tempfile
 import time
+from functools import cached_property
 from pathlib import Path
 
 SCENE, LOW_SCENE = "teddy", "kitti15_000003"
@@ -72,9 +73,17 @@ class Twin:
     def maps(self, name, *arguments):
         """What the run tells, and the bytes of its maps by frame."""
         target = self.folder / name
-        target.mkdir()
+        target.mkdir(exist_ok=True)
         told = self.run("-o", target / "map.pfm", *arguments)
         return told, [path.read_bytes() for path in sorted(target.iterdir())]
+
+    @cached_property
+    def side_by_side(self):
+        return self.maps("side_by_side", *self.scene(LOW_SCENE, "lite"))
+
+    @cached_property
+    def clean(self):
+        return self.maps("clean", *self.recording(), "--frames", 4)
 
 
 def scene(twin, name, method):
@@ -115,10 +124,10 @@ def machines(twin):
     return ""
 
 
-def wiring(twin, name, expected):
+def wiring(twin, name):
     told, found = twin.maps(f"wiring_{name}", *twin.scene(LOW_SCENE, "lite"), "--wiring", name, "--first", "right")
     expect("the wiring", [told["wiring"], told["first"]], [name, "right"])
-    if found != expected:
+    if found != twin.side_by_side[1]:
         raise Failure("the map is another than side by side")
     return ""
 
@@ -130,7 +139,7 @@ def skew(twin, camera):
     return ""
 
 
-def fault(twin, kind, clean):
+def fault(twin, kind):
     counters, damaged = FAULTS[kind]
     told, found = twin.maps(f"fault_{kind}", *twin.recording(), "--frames", 4, "--fault", f"{kind}@1")
     expected = {**CLEAN, "frames": 4, **counters}
@@ -141,7 +150,7 @@ def fault(twin, kind, clean):
     expect("counters", told["counters"], expected)
     expect("maps unlike the host's", told["different_frames"], damaged)
     for frame in [0, 2, 3]:
-        if found[frame] != clean[frame]:
+        if found[frame] != twin.clean[1][frame]:
             raise Failure(f"frame {frame} is not that of a run without the fault")
     return ""
 
@@ -185,14 +194,12 @@ def checks(twin):
     yield f"recording {TAKE}, right first: the host's maps", lambda: recording(twin)
     yield "two runs tell the same", lambda: repeatable(twin)
     yield "an386 and an500: the same map and counts", lambda: machines(twin)
-    _, expected = twin.maps("wiring", *twin.scene(LOW_SCENE, "lite"))
     for name in WIRINGS:
-        yield f"wiring {name}: the same map", lambda n=name: wiring(twin, n, expected)
+        yield f"wiring {name}: the same map", lambda n=name: wiring(twin, n)
     for camera in ["left", "right"]:
         yield f"skew {camera}: the host's map", lambda c=camera: skew(twin, c)
-    _, clean = twin.maps("clean", *twin.recording(), "--frames", 4)
     for kind in FAULTS:
-        yield f"fault {kind}: counted, and the other frames as without it", lambda k=kind: fault(twin, k, clean)
+        yield f"fault {kind}: counted, and the other frames as without it", lambda k=kind: fault(twin, k)
     yield f"{LONG_RUN} frames: none lost, no drift, the same stack", lambda: endurance(twin)
 
 
