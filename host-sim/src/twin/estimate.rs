@@ -9,12 +9,22 @@
 //! 0.22 * 1.5 + 0.08 + 0.09 * 3 + 0.06 + 0.55 = 1.29 cycles an instruction. The M7 and the M33 are taken to be faster by
 //! the ratio of Arm's published CoreMark/MHz: M4 3.42, M7 5.01, M33 4.02. No wait states: code in
 //! cache or behind the flash accelerator, data in fast SRAM.
+//!
+//! # Assumed, and checked by nothing
+//! No figure made here was compared with a board. In particular:
+//! - the instruction mix and the share of taken branches: typical shares, not counted in this program;
+//! - that loads come in pairs, half of them after another load;
+//! - that this program gains from an M7 or M33 what CoreMark does: CoreMark is another program, and its
+//!   published figures hold for a compiler and memories of their own;
+//! - the H743's current: a round figure, not looked up in its data sheet. That of the F407 and the U575 is
+//!   their vendor's, for the chip's best conditions;
+//! - that power is current times 3.3 V at full load: no camera, no peripherals, no supply's losses.
 
 use serde::Serialize;
 
-/// Cycles an instruction on a Cortex-M4.
+/// Cycles an instruction on a Cortex-M4: of an assumed mix of instructions, unchecked.
 const CYCLES_M4: f64 = 0.22 * 1.5 + 0.08 + 0.09 * 3.0 + 0.06 + 0.55;
-/// CoreMark/MHz as Arm publishes it.
+/// CoreMark/MHz as Arm publishes it; that its ratios hold for this program is assumed.
 const COREMARK_M4: f64 = 3.42;
 const COREMARK_M7: f64 = 5.01;
 const COREMARK_M33: f64 = 4.02;
@@ -30,7 +40,7 @@ pub struct Chip {
     mhz: f64,
     /// Cycles an instruction.
     cycles: f64,
-    /// Current of the running core at 3.3 V, uA/MHz.
+    /// Current of the running core at 3.3 V, uA/MHz; the H743's is assumed.
     current: f64,
     /// Where the current is from.
     pub source: &'static str,

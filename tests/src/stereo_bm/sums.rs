@@ -67,6 +67,13 @@ pub trait Measure: Clone + Debug {
     /// The part of one pair, each `cap` too great.
     fn term(left: u8, right: u8, cap: u8) -> Self::Sum;
 
+    /// Slides the sums of a window on: what enters is added, what leaves is subtracted.
+    fn slide(window: &mut [Self::Sum], entering: &[Self::Sum], leaving: &[Self::Sum]) {
+        for (sum, (&entering, &leaving)) in window.iter_mut().zip(entering.iter().zip(leaving)) {
+            *sum = *sum + entering - leaving;
+        }
+    }
+
     /// Counts what `terms` of them take.
     fn count(terms: usize);
 }
@@ -159,9 +166,7 @@ impl<M: Measure, const WIDTH: usize, const DISPARITIES: usize> RunningSums<M, WI
         count::additions(searched);
         count::subtractions(searched);
         let (entering, leaving) = (&self.columns[columns.entering.column], &self.columns[columns.leaving.column]);
-        for (sum, (&entering, &leaving)) in self.window[..searched].iter_mut().zip(entering.iter().zip(leaving)) {
-            *sum = *sum + entering - leaving;
-        }
+        M::slide(&mut self.window[..searched], &entering[..searched], &leaving[..searched]);
     }
 }
 
@@ -176,8 +181,27 @@ impl Measure for Absolute {
         u16::from(left.abs_diff(right))
     }
 
+    /// Two sums of 16 bits in a word of 32: all that is carried from the lower to the upper one while adding is
+    /// carried back while subtracting, since the sums themselves fit.
+    fn slide(window: &mut [u16], entering: &[u16], leaving: &[u16]) {
+        let (pairs, odd) = window.as_chunks_mut::<2>();
+        let (entering_pairs, entering_odd) = entering.as_chunks::<2>();
+        let (leaving_pairs, leaving_odd) = leaving.as_chunks::<2>();
+        for (pair, (&entering, &leaving)) in pairs.iter_mut().zip(entering_pairs.iter().zip(leaving_pairs)) {
+            let slid = word(*pair).wrapping_add(word(entering)).wrapping_sub(word(leaving)).to_le_bytes();
+            *pair = [u16::from_le_bytes([slid[0], slid[1]]), u16::from_le_bytes([slid[2], slid[3]])];
+        }
+        for (sum, (&entering, &leaving)) in odd.iter_mut().zip(entering_odd.iter().zip(leaving_odd)) {
+            *sum = *sum + entering - leaving;
+        }
+    }
+
     fn count(terms: usize) {
         count::subtractions(terms);
         count::comparisons(terms);
     }
+}
+
+fn word([low, high]: [u16; 2]) -> u32 {
+    u32::from(low) | u32::from(high) << 16
 }
