@@ -80,7 +80,7 @@ pub const fn rows_for(half_support: u8) -> usize {
 /// Smoothed rows that are there below a row in any case, since its features reach down.
 const LEAST_BELOW: usize = FEATURE_ROWS / 2 + 1;
 
-/// Sparse stereo by contours: the cheapest answers, at contours only.
+/// Sparse stereo by contours: few answers, at contours only, and hardly any of them wrong.
 ///
 /// In each row the extrema of the Haar response along the row, and those along the columns, are the
 /// contours, with polarity. A left contour takes the right one of the least cost in a small window around
