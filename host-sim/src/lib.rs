@@ -1,12 +1,13 @@
 //! The host side of Haarline: recorded frames through the same core as on the chip, then scores and
 //! pictures.
 //!
-//! - in: [`image_file`] and [`frame`] read images, [`recording`] finds the frames of a recording, [`scene`]
-//!   reads a benchmark scene's folder, [`synthetic`] renders a scene with known truth, [`degrade`] makes
+//! - in: [`image_file`] and [`frame`] read images, [`recording`] finds the frames of a recording,
+//!   [`raw_dump`] those in a camera port's bytes, [`scene`] reads a benchmark scene's folder, [`synthetic`] renders a scene with known truth, [`degrade`] makes
 //!   frames worse on purpose, [`noise`] estimates how bad they are;
 //! - through: [`method`] is the registry of the stereo methods, [`pipeline`] runs one over a frame,
 //!   [`playback`] over a recording;
-//! - out: [`disparity_map`], [`geometry`] (its depth), [`output`] (files and pictures);
+//! - out: [`disparity_map`], [`geometry`] (its depth), [`output`] (files and pictures), [`packet_stream`]
+//!   (maps from a chip's row packets);
 //! - judged: [`score`] and [`sparsification`], [`baselines`] (OpenCV's figures), [`evaluation`] of many
 //!   scenes, [`ablation`] (what the parts of a method bring), [`report`];
 //! - on the chip: [`twin`] runs the firmware application in QEMU;
@@ -30,8 +31,10 @@ pub mod image_file;
 pub mod method;
 pub mod noise;
 pub mod output;
+pub mod packet_stream;
 pub mod pipeline;
 pub mod playback;
+pub mod raw_dump;
 pub mod recording;
 pub mod report;
 pub mod scene;

@@ -1,6 +1,7 @@
 //! Recordings: what a pair of cameras saw, frame by frame, in a folder.
 //!
-//! Either the views lie in two folders, `left` and `right`, or each file holds both side by side.
+//! Either the views lie in two folders, `left` and `right`, or each file holds both side by side; or all
+//! frames are in one file, a raw dump.
 //! Frames are counted from 0 in the order of their names; files that are no images by their suffix do
 //! not count.
 
@@ -13,6 +14,7 @@ use std::str::FromStr;
 use anyhow::{Result, anyhow, bail, ensure};
 use clap::ValueEnum;
 
+use crate::raw_dump::RawFormat;
 use crate::{Frame, StereoPair, image_file};
 
 /// Suffixes of the files that are taken for frames.
@@ -68,6 +70,8 @@ enum Source {
     Lone(PathBuf, Side),
     /// Both views in one file.
     SideBySide(PathBuf, Side),
+    /// A frame of a raw dump, by its index.
+    Raw(PathBuf, RawFormat, usize),
 }
 
 /// Images of a folder by their names without suffix.
@@ -114,6 +118,19 @@ pub fn find_frames(folder: &Path, layout: Layout) -> Result<Vec<RecordedFrame>> 
     Ok(sources.into_iter().enumerate().map(frame).collect())
 }
 
+/// The frames of the raw dump in `path`, named by their index. Where the file is no whole number of
+/// frames, the last one is a frame that cannot be read.
+///
+/// # Errors
+/// If the file cannot be read or has not even one frame.
+pub fn find_raw_frames(path: &Path, format: RawFormat) -> Result<Vec<RecordedFrame>> {
+    let frame = |index| {
+        let source = Source::Raw(path.to_owned(), format, index);
+        RecordedFrame { index, name: format!("{index:06}"), file: source.file_name(), source }
+    };
+    Ok((0..format.count_frames(path)?).map(frame).collect())
+}
+
 fn find_images(folder: &Path) -> Result<Images> {
     let unreadable = |error| anyhow!("{}: cannot be read: {error}", folder.display());
     let mut images = Images::new();
@@ -157,7 +174,7 @@ fn pair_views(left: Images, mut right: Images) -> Result<Vec<(String, Source)>> 
 
 impl Source {
     fn file_name(&self) -> String {
-        let (Self::Pair(path, _) | Self::Lone(path, _) | Self::SideBySide(path, _)) = self;
+        let (Self::Pair(path, _) | Self::Lone(path, _) | Self::SideBySide(path, _) | Self::Raw(path, ..)) = self;
         path.file_name().unwrap_or_default().to_string_lossy().into_owned()
     }
 }
@@ -173,6 +190,7 @@ impl RecordedFrame {
             Source::Lone(path, Side::Left) => bail!("{}: the right view is missing", path.display()),
             Source::Lone(path, Side::Right) => bail!("{}: the left view is missing", path.display()),
             Source::SideBySide(path, first) => read_side_by_side(path, *first),
+            Source::Raw(path, format, index) => format.read(path, *index),
         }
     }
 }
@@ -267,7 +285,7 @@ mod tests {
         let text = |(name, source): (String, Source)| match source {
             Source::Pair(left, right) => format!("{name}: {} {}", left.display(), right.display()),
             Source::Lone(path, side) => format!("{name}: {} {side} only", path.display()),
-            Source::SideBySide(..) => unreachable!(),
+            Source::SideBySide(..) | Source::Raw(..) => unreachable!(),
         };
         Ok(sources.into_iter().map(text).collect())
     }

@@ -5,6 +5,7 @@ mod demo;
 mod depth;
 mod eval;
 mod play;
+mod record;
 mod shared;
 mod twin;
 
@@ -38,6 +39,8 @@ enum Command {
     Demo(demo::Args),
     /// A whole recording in, disparity maps and pictures out, frame by frame
     Play(play::Args),
+    /// A pair or a recording in, the bytes a camera port would store of it out
+    Record(record::Args),
     /// Scores the method full without one of its parts each: what every part brings
     Ablate(ablate::Args),
     /// The firmware application on an emulated Cortex-M: same bytes, every instruction counted
@@ -101,6 +104,7 @@ impl Cli {
             Command::Eval(args) => args.run()?,
             Command::Demo(args) => args.run()?,
             Command::Play(args) => args.run()?,
+            Command::Record(args) => args.run()?,
             Command::Ablate(args) => args.run()?,
             Command::Twin(args) => args.run()?,
         }
@@ -111,7 +115,8 @@ impl Cli {
 /// clap's message in one line, without the usage.
 fn condense(error: &error::Error) -> String {
     if error.kind() == error::ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
-        return "a command is missing: depth, eval, demo, play, ablate or twin; haarline --help tells more".to_owned();
+        return "a command is missing: depth, eval, demo, play, record, ablate or twin; haarline --help tells more"
+            .to_owned();
     }
     let text = error.to_string();
     let lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
@@ -180,6 +185,12 @@ mod tests {
             ("haarline play r -o d --frames -1..3", "counted from 0"),
             ("haarline play r -o d --layout side", "side-by-side"),
             ("haarline ablate d --noise 0,x", "--noise"),
+            ("haarline play r -o d --raw 320 --wiring pixel", "320x240"),
+            ("haarline play r -o d --raw 31x240 --wiring pixel", "32 to 1280 px"),
+            ("haarline play r -o d --raw 320x240 --wiring frame", "side-by-side"),
+            ("haarline record l -o d --wiring pixel", "RIGHT"),
+            ("haarline record -o d --wiring pixel", "LEFT"),
+            ("haarline record l r --wiring pixel", "--output"),
         ];
         for (line, wanted) in cases {
             let told = refused(line);

@@ -1,37 +1,40 @@
 //! `haarline play`: a whole recording in, its disparities out, frame by frame.
 
 use std::fmt::Write as _;
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, bail, ensure};
-use clap::ValueEnum;
+use anyhow::{Context, Result, ensure};
 use haarline::Config;
 use serde::Serialize;
 
-use super::shared::{MinConfidence, SearchRange, progress};
+use super::shared::{LayoutKind, MinConfidence, SearchRange, WiringArgs, layout, progress, warn_skipped};
 use super::{Finding, print, whole_number};
 use crate::method::MethodKind;
 use crate::output;
 use crate::playback::{FrameReport, Player, encode_csv, report_damaged};
-use crate::recording::{FrameRange, Layout, RecordedFrame, Side, find_frames};
+use crate::raw_dump::{RawFormat, ViewSize};
+use crate::recording::{FrameRange, RecordedFrame, find_frames, find_raw_frames};
 
 /// Arguments of `haarline play`.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
     /// Folder with the folders left and right, whose images belong together by name, or in their order
-    /// where no name is in both; or folder of images with both views (--layout side-by-side)
+    /// where no name is in both; or folder of images with both views (--layout side-by-side); or a file
+    /// with the bytes a camera port stored (--raw)
     recording: PathBuf,
     /// Where everything goes: <frame>.pfm, <frame>_picture.png (the same colours in all of them: the
     /// searched range), frames.csv
     #[arg(short, long = "output", value_name = "DIR")]
     output: PathBuf,
     /// How the views are stored
-    #[arg(long, value_enum, default_value_t = LayoutKind::Folders)]
+    #[arg(long, value_enum, default_value_t = LayoutKind::Folders, conflicts_with = "raw")]
     layout: LayoutKind,
-    /// Which camera the left half of a side-by-side frame belongs to
-    #[arg(long, value_enum, value_name = "CAMERA")]
-    first: Option<Side>,
+    /// The recording is a raw dump, frame after frame without any header; the size is that of one view,
+    /// px, whatever the wiring (a frame has twice as many bytes as a view has pixels)
+    #[arg(long, value_name = "WIDTHxHEIGHT")]
+    raw: Option<ViewSize>,
+    #[command(flatten)]
+    wiring: WiringArgs,
     #[command(flatten)]
     search: SearchRange,
     /// How to match
@@ -48,15 +51,6 @@ pub(super) struct Args {
     /// Prints the summary as JSON
     #[arg(long)]
     json: bool,
-}
-
-/// How the two views are stored.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum LayoutKind {
-    /// In the folders left and right
-    Folders,
-    /// Both in each image, side by side; needs --first
-    SideBySide,
 }
 
 /// What is told about a recording.
@@ -81,13 +75,12 @@ struct Summary<'a> {
 
 impl Args {
     pub(super) fn run(self) -> Result<()> {
-        let layout = self.layout()?;
         let min_confidence = self.min_confidence.get()?;
         // Whatever the width will be.
         self.search.config(Config::MAX_WIDTH)?;
         let step = usize::try_from(self.every).ok().filter(|&step| step > 0);
         let step = step.with_context(|| format!("--every {}: must be 1 or more", self.every))?;
-        let frames = find_frames(&self.recording, layout)?;
+        let frames = self.find_frames()?;
         let recorded = frames.len();
         let range = self.frames.unwrap_or_default();
         let frames = range.choose(frames, step);
@@ -118,17 +111,12 @@ impl Args {
         Ok(())
     }
 
-    fn layout(&self) -> Result<Layout> {
-        match (self.layout, self.first) {
-            (LayoutKind::Folders, None) => Ok(Layout::Folders),
-            (LayoutKind::SideBySide, Some(first)) => Ok(Layout::SideBySide { first }),
-            (LayoutKind::Folders, Some(first)) => {
-                bail!("--first {first}: is for frames with both views, add --layout side-by-side")
-            }
-            (LayoutKind::SideBySide, None) => {
-                bail!("--layout side-by-side needs --first left or --first right, the camera of the left half")
-            }
+    fn find_frames(&self) -> Result<Vec<RecordedFrame>> {
+        if let Some(size) = self.raw {
+            return find_raw_frames(&self.recording, RawFormat { size, wiring: self.wiring.get_required()? });
         }
+        ensure!(self.wiring.get()?.is_none(), "--wiring: is for raw dumps, add --raw WIDTHxHEIGHT");
+        find_frames(&self.recording, layout(self.layout, self.wiring.first, "--first")?)
     }
 
     /// Refuses to write among the frames: pictures would be frames of the next run, and a list of the
@@ -187,11 +175,8 @@ fn play(player: &mut Player<'_>, frames: &[RecordedFrame]) -> Result<Vec<FrameRe
     reports
 }
 
-/// One line about a damaged frame.
 fn warn(report: &FrameReport) {
-    let FrameReport { frame, error, .. } = report;
-    // Nowhere is left to tell if this fails, too.
-    let _ = writeln!(std::io::stderr(), "frame {frame} skipped: {}", error.as_deref().unwrap_or("damaged"));
+    warn_skipped(report.frame, report.error.as_deref().unwrap_or("damaged"));
 }
 
 impl Summary<'_> {

@@ -1,16 +1,21 @@
 //! Arguments that several commands have in common.
 
 use std::fmt;
+use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, ensure};
-use haarline::Config;
+use anyhow::{Context, Result, bail, ensure};
+use clap::ValueEnum;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use haarline::wiring::{First, Kind, Skew};
+use haarline::{Config, Wiring};
 use indicatif::{ProgressBar, ProgressState, ProgressStyle};
 
 use super::{print, whole_number};
 use crate::baselines::Baselines;
 use crate::method::check_config;
 use crate::output;
+use crate::recording::{Layout, Side};
 use crate::scene::find_scenes;
 
 /// The search range.
@@ -82,6 +87,91 @@ impl MinConfidence {
             .ok()
             .with_context(|| format!("--min-confidence {min_confidence}: must be 0 to 255"))
     }
+}
+
+/// How the two views are stored.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(super) enum LayoutKind {
+    /// In the folders left and right
+    Folders,
+    /// Both in each image, side by side; which camera is in the left half must be told
+    SideBySide,
+}
+
+/// The layout, of whose first camera the option `option` tells.
+pub(super) fn layout(kind: LayoutKind, first: Option<Side>, option: &str) -> Result<Layout> {
+    match (kind, first) {
+        (LayoutKind::Folders, None) => Ok(Layout::Folders),
+        (LayoutKind::SideBySide, Some(first)) => Ok(Layout::SideBySide { first }),
+        (LayoutKind::Folders, Some(first)) => {
+            bail!("{option} {first}: is for frames with both views, add --layout side-by-side")
+        }
+        (LayoutKind::SideBySide, None) => {
+            bail!("--layout side-by-side needs {option} left or {option} right, the camera of the left half")
+        }
+    }
+}
+
+/// How two cameras share a port.
+#[derive(Debug, clap::Args)]
+pub(super) struct WiringArgs {
+    /// In which order a raw dump has the pixels of the two cameras
+    #[arg(long, value_name = "KIND", value_parser = by_name(Kind::ALL, Kind::name))]
+    wiring: Option<Kind>,
+    /// Which camera is first: in time, in the left half (in a recording's frames, too), on the low data
+    /// lines [default of a raw dump: left]
+    #[arg(long, value_enum, value_name = "CAMERA")]
+    pub(super) first: Option<Side>,
+    /// Whose pixels come one late; with --wiring pixel only [default: none]
+    #[arg(long, value_name = "CAMERA", value_parser = by_name(Skew::ALL, Skew::name))]
+    skew: Option<Skew>,
+}
+
+impl WiringArgs {
+    /// The wiring, if one was told.
+    pub(super) fn get(&self) -> Result<Option<Wiring>> {
+        let Some(kind) = self.wiring else {
+            ensure!(self.skew.is_none(), "--skew: is for raw dumps, with --wiring pixel");
+            return Ok(None);
+        };
+        let skew = self.skew.unwrap_or_default();
+        let name = skew.name();
+        ensure!(
+            kind == Kind::PixelInterleaved || skew == Skew::None,
+            "--skew {name}: is for --wiring pixel only, no other one has a skew"
+        );
+        let first = self.first.map_or(First::Left, |side| match side {
+            Side::Left => First::Left,
+            Side::Right => First::Right,
+        });
+        Ok(Some(Wiring { kind, first, skew }))
+    }
+
+    /// The wiring, which must be told.
+    pub(super) fn get_required(&self) -> Result<Wiring> {
+        self.get()?.with_context(|| {
+            let names: Vec<&str> = Kind::ALL.iter().map(|kind| kind.name()).collect();
+            format!("--wiring is missing, the order of the pixels: one of {}", names.join(", "))
+        })
+    }
+}
+
+/// Reads one of `all` by its name.
+fn by_name<T: Copy + Send + Sync + 'static>(
+    all: &'static [T],
+    name: fn(T) -> &'static str,
+) -> impl TypedValueParser<Value = T> {
+    let names = all.iter().map(|&value| name(value));
+    PossibleValuesParser::new(names).map(move |text| {
+        let found = all.iter().find(|&&value| name(value) == text);
+        *found.expect("only names of these are possible")
+    })
+}
+
+/// One line about a damaged frame.
+pub(super) fn warn_skipped(frame: usize, why: &str) {
+    // Nowhere is left to tell if this fails, too.
+    let _ = writeln!(io::stderr(), "frame {frame} skipped: {why}");
 }
 
 /// Which benchmark scenes, and OpenCV's figures on them.

@@ -13,6 +13,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Result, anyhow, bail, ensure};
 use image::{ExtendedColorType, ImageEncoder};
+use tempfile::NamedTempFile;
 
 use crate::{DisparityMap, Frame, Geometry};
 
@@ -108,13 +109,34 @@ pub fn prepare_folder(option: &str, folder: &Path) -> Result<()> {
 /// # Errors
 /// Names the file.
 pub fn write(path: &Path, bytes: &[u8]) -> Result<()> {
-    let result = if is_written_in_place(path) { write_in_place(path, bytes) } else { replace(path, bytes) };
-    result.map_err(|error| anyhow!("{}: cannot be written: {error}", path.display()))
+    write_with(path, |file| file.write_all(bytes).map_err(|error| cannot_write(path, error)))
 }
 
-/// Into a file beside the target first, which then takes the target's name. A symbolic link stays one.
-fn replace(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
+/// Writes what `fill` delivers as `path`, completely or not at all: for files too large to be held.
+///
+/// # Errors
+/// Names the file where it cannot be written; else what `fill` says.
+pub fn write_with(path: &Path, fill: impl FnOnce(&mut dyn Write) -> Result<()>) -> Result<()> {
+    let failed = |error| cannot_write(path, error);
+    if is_written_in_place(path) {
+        let mut file = BufWriter::new(File::options().write(true).open(path).map_err(failed)?);
+        fill(&mut file)?;
+        return file.flush().map_err(failed);
+    }
+    // Into a file beside the target first, which then takes the target's name. A symbolic link stays one.
     let target = path.canonicalize().unwrap_or_else(|_| path.to_owned());
+    let mut file = BufWriter::new(file_beside(&target).map_err(failed)?);
+    fill(&mut file)?;
+    let file = file.into_inner().map_err(|error| failed(error.into_error()))?;
+    file.persist(target).map_err(|error| failed(error.error))?;
+    Ok(())
+}
+
+fn cannot_write(path: &Path, error: std::io::Error) -> anyhow::Error {
+    anyhow!("{}: cannot be written: {error}", path.display())
+}
+
+fn file_beside(target: &Path) -> std::io::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     #[cfg(unix)]
     {
@@ -122,16 +144,7 @@ fn replace(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
         use std::os::unix::fs::PermissionsExt;
         builder.permissions(fs::Permissions::from_mode(0o666));
     }
-    let mut file = builder.tempfile_in(folder_of(&target))?;
-    file.write_all(bytes)?;
-    file.persist(target)?;
-    Ok(())
-}
-
-fn write_in_place(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
-    let mut file = BufWriter::new(File::options().write(true).open(path)?);
-    file.write_all(bytes)?;
-    file.flush()
+    builder.tempfile_in(folder_of(target))
 }
 
 /// Pipes and devices are written to, not replaced.

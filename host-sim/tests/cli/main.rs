@@ -12,5 +12,6 @@ mod demo;
 mod depth;
 mod eval;
 mod files;
+mod record;
 mod scene;
 mod tool;
