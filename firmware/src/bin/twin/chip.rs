@@ -6,7 +6,7 @@ use embassy_sync::blocking_mutex::raw::ThreadModeRawMutex;
 use embassy_sync::zerocopy_channel::Channel;
 use haarline::{StereoMethod, Wiring};
 use haarline_firmware::ring::{From, RAW_ROWS, RESULT_ROWS, RawRow, ResultRow, SharedCounters, To};
-use haarline_firmware::{capture, results, vision};
+use haarline_firmware::{capture, results, stack, vision};
 use semihosting::{eprintln, process};
 use static_cell::{ConstStaticCell, StaticCell};
 
@@ -14,7 +14,7 @@ use crate::clock::TwinClock;
 use crate::options::Options;
 use crate::sink::FileSink;
 use crate::source::FileSource;
-use crate::{methods, stack, time};
+use crate::{methods, time};
 
 /// What happened to the camera's frames.
 pub static COUNTERS: SharedCounters = SharedCounters::new();
