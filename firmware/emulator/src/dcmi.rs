@@ -41,7 +41,7 @@ enum At {
 pub struct Dcmi {
     camera: Camera,
     sensors: [Arc<Mutex<Registers>>; 2],
-    event: Option<EventId>,
+    event: Option<(EventId, VirtualNanos)>,
     at: At,
     /// Frames begun.
     pub frame: u32,
@@ -87,7 +87,7 @@ impl Dcmi {
             (Some(period), None) => {
                 let first = context.now().0 + period.0;
                 self.trigger = Some((first, period.0));
-                self.event = Some(context.schedule(VirtualNanos(first)));
+                self.wait_until(first, context);
             }
             (None, _) => self.trigger = None,
             _ => {}
@@ -148,7 +148,12 @@ impl Dcmi {
             }
         };
         self.update(registers, context);
-        self.event = Some(context.schedule(VirtualNanos(now + wait)));
+        self.wait_until(now + wait, context);
+    }
+
+    fn wait_until(&mut self, nanos: u64, context: &mut DeviceContext<'_>) {
+        let at = VirtualNanos(nanos);
+        self.event = Some((context.schedule(at), at));
     }
 
     /// Waits for the next pulse of the trigger.
@@ -157,7 +162,8 @@ impl Dcmi {
         while *next <= context.now().0 {
             *next += *period;
         }
-        self.event = Some(context.schedule(VirtualNanos(*next)));
+        let next = *next;
+        self.wait_until(next, context);
     }
 
     fn start(&mut self, registers: &mut RegisterFile) {
@@ -286,7 +292,7 @@ impl Device for Dcmi {
     }
 
     fn on_event(&mut self, event: EventId, registers: &mut RegisterFile, context: &mut DeviceContext<'_>) {
-        if self.event == Some(event) {
+        if self.event.is_some_and(|(awaited, _)| awaited == event) {
             self.event = None;
             self.step(registers, context);
         }
@@ -297,9 +303,12 @@ impl Device for Dcmi {
     }
 
     fn reset_line(&mut self, registers: &mut RegisterFile, context: &mut DeviceContext<'_>) {
-        // The clock controller resets the interface; the cameras know nothing of it.
+        // The clock controller resets the interface, and what it waited for is gone; the cameras go on.
         registers.reset();
         self.switch_off();
+        if let Some((_, at)) = self.event {
+            self.wait_until(at.0, context);
+        }
         self.update(registers, context);
     }
 }
