@@ -58,12 +58,14 @@ fn settings() -> String {
         "auto" => "None".to_owned(),
         lines => format!("Some({})", lines.parse::<u16>().expect("HAARLINE_EXPOSURE: must be auto or lines, 2 to 258")),
     };
+    let rate = number("HAARLINE_FRAME_RATE", "5");
     let (min, num) = (number("HAARLINE_MIN_DISPARITY", "0"), number("HAARLINE_NUM_DISPARITIES", "64"));
     format!(
         "/// Columns of a view.\npub const WIDTH: u16 = {width};
 /// Rows of a view.\npub const HEIGHT: u32 = {height};
 /// First disparity searched, px.\npub const MIN_DISPARITY: i16 = {min};
 /// Disparities searched.\npub const NUM_DISPARITIES: u16 = {num};
+/// Frames a second.\npub const FRAME_RATE: u32 = {rate};
 /// The sensor that the multiplexer takes first.\npub const FIRST: First = First::{first};
 /// Integration time of both sensors, lines; `None`: the first one's own control, copied to the second.
 pub const INTEGRATION: Option<u16> = {integration};

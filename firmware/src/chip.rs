@@ -35,8 +35,8 @@ bind_interrupts!(struct Irqs {
 });
 
 const BLOCKS: usize = blocks_for(settings::WIDTH);
-/// The row packets' port. A row of 320 px has 150 bytes or so, and comes every 125 us.
-const BAUD: u32 = 12_000_000;
+/// The row packets' port. A row of 320 px has 200 bytes or so, and comes every 750 us at 5 frames a second.
+const BAUD: u32 = 6_000_000;
 /// The chip begins anew when the vision task stood still for so long, us.
 const WATCHDOG: u32 = 2_000_000;
 
@@ -99,7 +99,7 @@ async fn main(spawner: Spawner) {
     let mut config = usart::Config::default();
     config.baudrate = BAUD;
     let Ok(port) = UartTx::new(p.USART1, p.PB6, p.DMA1_CH1, Irqs, config) else {
-        defmt::panic!("120 MHz give 12 Mbaud")
+        defmt::panic!("120 MHz give 6 Mbaud")
     };
     let serial = Serial::new(port, ROWS_CHUNK.take(&ROWS_CHUNK_TAKEN, [0; CHUNK]));
     let watchdog = IndependentWatchdog::new(p.IWDG1, WATCHDOG);

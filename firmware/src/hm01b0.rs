@@ -33,8 +33,8 @@ const MODEL: u16 = 0x01B0;
 const HARDWARE_TRIGGER: u8 = 0x05;
 /// `BIT_CONTROL`: a pixel on eight lines.
 const EIGHT_BITS: u8 = 0x02;
-/// `OSC_CLK_DIV`: pixels at half the master clock.
-const HALF: u8 = 0x0A;
+/// `OSC_CLK_DIV`: pixels at an eighth of the master clock.
+const EIGHTH: u8 = 0x08;
 
 /// The registers that hold an exposure, in the order in which they are copied.
 const EXPOSURE: [u16; 5] = [INTEGRATION_H, INTEGRATION_L, ANALOG_GAIN, DIGITAL_GAIN_H, DIGITAL_GAIN_L];
@@ -83,7 +83,7 @@ pub struct Settings {
 }
 
 /// Lines of a frame with its blanking, in the window.
-const FRAME_LENGTH: u16 = 0x0104;
+pub const FRAME_LENGTH: u16 = 0x0104;
 
 /// Sets a sensor up; it then waits for its trigger.
 ///
@@ -99,7 +99,7 @@ pub fn set_up<R: Registers>(sensor: &mut R, settings: Settings) -> Result<(), Se
     let [frame_h, frame_l] = FRAME_LENGTH.to_be_bytes();
     let registers = [
         (BIT_CONTROL, EIGHT_BITS),
-        (OSC_CLK_DIV, HALF),
+        (OSC_CLK_DIV, EIGHTH),
         (QVGA_WIN_EN, 1),
         (BINNING_MODE, 0),
         (LINE_LENGTH_PCK_H, line_h),

@@ -6,11 +6,11 @@
 //! |---|---|---|
 //! | DCMI D0 to D7 | PC6 PC7 PC8 PC9 PE4 PD3 PE5 PE6 | the multiplexer's output |
 //! | DCMI PIXCLK, HSYNC, VSYNC | PA6, PA4, PG9 | pixels valid while both are high |
-//! | MCO1 | PA8 | 8 MHz: the sensors' master clock, and the multiplexer's select |
+//! | MCO1 | PA8 | 8 MHz: the master clock of the sensors and of the multiplexer |
 //! | TIM3 CH1 | PB4 | the trigger pins of both sensors |
 //! | I2C1 SCL, SDA | PB8, PB9 | first sensor |
 //! | I2C2 SCL, SDA | PF1, PF0 | second sensor: both have the same address |
-//! | USART1 TX | PB6 | row packets, 12 Mbaud |
+//! | USART1 TX | PB6 | row packets, 6 Mbaud |
 //! | UART7 TX, RX | PE8, PE7 | kept for MAVLink |
 
 pub mod camera;

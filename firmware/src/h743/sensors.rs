@@ -38,7 +38,8 @@ impl Registers for Bus {
 /// Sets both sensors up, tries until they answer; starts them by one trigger, and lets the second expose
 /// as the first does.
 pub async fn run(mut buses: [Bus; 2], mut trigger: SimplePwm<'static, TIM3>) {
-    let settings = hm01b0::Settings { line_length: settings::LINE_LENGTH, integration: settings::INTEGRATION };
+    let line_length = u16::try_from(settings::LINE_LENGTH).unwrap_or(u16::MAX);
+    let settings = hm01b0::Settings { line_length, integration: settings::INTEGRATION };
     for (number, bus) in (1_u8..).zip(&mut buses) {
         let mut tries: u32 = 0;
         while let Err(error) = hm01b0::set_up(bus, settings) {
