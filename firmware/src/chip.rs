@@ -3,9 +3,10 @@
 use core::sync::atomic::AtomicBool;
 
 use defmt_rtt as _;
-use embassy_executor::Spawner;
+use embassy_executor::{InterruptExecutor, Spawner};
 use embassy_futures::join::join;
 use embassy_stm32::gpio::{Flex, OutputType, Speed};
+use embassy_stm32::interrupt::{self, InterruptExt, Priority};
 use embassy_stm32::peripherals::{DMA1_CH0, DMA1_CH1, IWDG1, TIM3};
 use embassy_stm32::rcc::{Mco, Mco1Source, McoConfig, McoPrescaler};
 use embassy_stm32::time::Hertz;
@@ -14,7 +15,7 @@ use embassy_stm32::timer::simple_pwm::{PwmPin, SimplePwm};
 use embassy_stm32::usart::{self, UartTx};
 use embassy_stm32::wdg::IndependentWatchdog;
 use embassy_stm32::{bind_interrupts, dma, i2c};
-use embassy_sync::blocking_mutex::raw::ThreadModeRawMutex;
+use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use embassy_sync::zerocopy_channel::Channel;
 use embassy_time::{Duration, Ticker};
 use haarline::{Full, Lite, Stage, StereoMethod, blocks_for};
@@ -49,13 +50,24 @@ static METHOD_FULL: StaticCell<Full<BLOCKS, Clock>> = StaticCell::new();
 static METHOD_LITE: StaticCell<Lite<BLOCKS, Clock>> = StaticCell::new();
 static RAW_RING: ConstStaticCell<[RawRow; RAW_ROWS]> = ConstStaticCell::new([RawRow::EMPTY; RAW_ROWS]);
 static RESULT_RING: ConstStaticCell<[ResultRow; RESULT_ROWS]> = ConstStaticCell::new([ResultRow::EMPTY; RESULT_ROWS]);
-static RAW: StaticCell<Channel<'static, ThreadModeRawMutex, RawRow>> = StaticCell::new();
-static RESULTS: StaticCell<Channel<'static, ThreadModeRawMutex, ResultRow>> = StaticCell::new();
+static RAW: StaticCell<Channel<'static, CriticalSectionRawMutex, RawRow>> = StaticCell::new();
+static RESULTS: StaticCell<Channel<'static, CriticalSectionRawMutex, ResultRow>> = StaticCell::new();
 
 #[unsafe(link_section = ".dma")]
 #[expect(unsafe_code, reason = "a section of the linker script")]
 static ROWS_CHUNK: DmaMemory<[u8; CHUNK]> = DmaMemory::new();
 static ROWS_CHUNK_TAKEN: AtomicBool = AtomicBool::new(false);
+
+/// Runs the tasks that must not wait for the vision task, which takes milliseconds for a row of blocks.
+/// They interrupt it, below the camera port and DMA.
+static PROMPT: InterruptExecutor = InterruptExecutor::new();
+
+/// The port UART4 is not in use; its interrupt is the executor's.
+#[embassy_stm32::interrupt]
+unsafe fn UART4() {
+    // SAFETY: nobody else calls it.
+    unsafe { PROMPT.on_interrupt() }
+}
 
 #[embassy_executor::main]
 async fn main(spawner: Spawner) {
@@ -107,9 +119,11 @@ async fn main(spawner: Spawner) {
     let (raw_to, raw_from) = RAW.init(Channel::new(RAW_RING.take())).split();
     let (results_to, results_from) = RESULTS.init(Channel::new(RESULT_RING.take())).split();
     // Each is spawned once, here.
-    spawner.spawn(capture_task(camera, raw_to).unwrap());
+    interrupt::UART4.set_priority(Priority::P6);
+    let prompt = PROMPT.start(interrupt::UART4);
+    prompt.spawn(capture_task(camera, raw_to).unwrap());
+    prompt.spawn(results_task(results_from, serial).unwrap());
     spawner.spawn(vision_task(clock, raw_from, results_to, watchdog).unwrap());
-    spawner.spawn(results_task(results_from, serial).unwrap());
     spawner.spawn(sensors_task([first, second], trigger).unwrap());
     spawner.spawn(statistics_task(clock).unwrap());
     // The master clock stays on.

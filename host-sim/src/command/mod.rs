@@ -5,6 +5,7 @@ mod demo;
 mod depth;
 mod eval;
 mod play;
+mod receive;
 mod record;
 mod shared;
 mod twin;
@@ -41,6 +42,8 @@ enum Command {
     Play(play::Args),
     /// A pair or a recording in, the bytes a camera port would store of it out
     Record(record::Args),
+    /// Row packets that a chip sent in, disparity maps out
+    Receive(receive::Args),
     /// Scores the method full without one of its parts each: what every part brings
     Ablate(ablate::Args),
     /// The firmware application on an emulated Cortex-M: same bytes, every instruction counted
@@ -105,6 +108,7 @@ impl Cli {
             Command::Demo(args) => args.run()?,
             Command::Play(args) => args.run()?,
             Command::Record(args) => args.run()?,
+            Command::Receive(args) => args.run()?,
             Command::Ablate(args) => args.run()?,
             Command::Twin(args) => args.run()?,
         }
@@ -115,7 +119,7 @@ impl Cli {
 /// clap's message in one line, without the usage.
 fn condense(error: &error::Error) -> String {
     if error.kind() == error::ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
-        return "a command is missing: depth, eval, demo, play, record, ablate or twin; haarline --help tells more"
+        return "a command is missing: depth, eval, demo, play, record, receive, ablate or twin; haarline --help tells more"
             .to_owned();
     }
     let text = error.to_string();
