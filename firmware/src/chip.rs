@@ -1,9 +1,11 @@
 //! The tasks between the cameras and the serial port, and the board they run on.
 
+mod prompt;
+
 use core::sync::atomic::AtomicBool;
 
 use defmt_rtt as _;
-use embassy_executor::{InterruptExecutor, Spawner};
+use embassy_executor::Spawner;
 use embassy_futures::join::join;
 use embassy_stm32::gpio::{Flex, OutputType, Speed};
 use embassy_stm32::interrupt::{self, InterruptExt, Priority};
@@ -58,17 +60,6 @@ static RESULTS: StaticCell<Channel<'static, CriticalSectionRawMutex, ResultRow>>
 static ROWS_CHUNK: DmaMemory<[u8; CHUNK]> = DmaMemory::new();
 static ROWS_CHUNK_TAKEN: AtomicBool = AtomicBool::new(false);
 
-/// Runs the tasks that must not wait for the vision task, which takes milliseconds for a row of blocks.
-/// They interrupt it, below the camera port and DMA.
-static PROMPT: InterruptExecutor = InterruptExecutor::new();
-
-/// The port UART4 is not in use; its interrupt is the executor's.
-#[embassy_stm32::interrupt]
-unsafe fn UART4() {
-    // SAFETY: nobody else calls it.
-    unsafe { PROMPT.on_interrupt() }
-}
-
 #[embassy_executor::main]
 async fn main(spawner: Spawner) {
     stack::paint();
@@ -120,7 +111,7 @@ async fn main(spawner: Spawner) {
     let (results_to, results_from) = RESULTS.init(Channel::new(RESULT_RING.take())).split();
     // Each is spawned once, here.
     interrupt::UART4.set_priority(Priority::P6);
-    let prompt = PROMPT.start(interrupt::UART4);
+    let prompt = prompt::EXECUTOR.start(interrupt::UART4);
     prompt.spawn(capture_task(camera, raw_to).unwrap());
     prompt.spawn(results_task(results_from, serial).unwrap());
     spawner.spawn(vision_task(clock, raw_from, results_to, watchdog).unwrap());

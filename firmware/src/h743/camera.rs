@@ -223,15 +223,20 @@ impl Camera {
         critical_section::with(|cs| with_port(cs, |served| served.port.start(&mut Pac)));
     }
 
-    /// The picture's bytes of the line that begins at word `at`; whether they were still there.
-    fn copy(&mut self, at: u32, bytes: &mut [u8]) -> bool {
-        while self.read != at {
-            let skip = usize::try_from(at.wrapping_sub(self.read)).unwrap_or(0).min(LINE_WORDS);
-            if !self.fetch(skip) {
+    /// Skips the words up to `to`; whether they were still there.
+    fn skip(&mut self, to: u32) -> bool {
+        while self.read != to {
+            let words = usize::try_from(to.wrapping_sub(self.read)).unwrap_or(0).min(LINE_WORDS);
+            if !self.fetch(words) {
                 return false;
             }
         }
-        if !self.fetch(LINE_WORDS) {
+        true
+    }
+
+    /// The picture's bytes of the line that begins at word `at`; whether they were still there.
+    fn copy(&mut self, at: u32, bytes: &mut [u8]) -> bool {
+        if !self.skip(at) || !self.fetch(LINE_WORDS) {
             return false;
         }
         let words = self.line_bytes.iter().flat_map(|word| word.to_le_bytes());
@@ -246,6 +251,12 @@ impl Camera {
         let Some(to) = self.line_bytes.get_mut(..words) else { return false };
         self.read = self.read.wrapping_add(u32::try_from(words).unwrap_or(0));
         matches!(self.ring.read(to), Ok((count, _)) if count == words)
+    }
+
+    fn lapped(&mut self) -> SourceEvent {
+        defmt::warn!("camera: the ring was lapped");
+        self.restart();
+        SourceEvent::Overrun
     }
 
     /// Whether the line is one of the picture's, or one too many.
@@ -271,16 +282,17 @@ impl RowSource for Camera {
                 PortEvent::Row { at } => {
                     self.line += 1;
                     if !self.copy(at, bytes) {
-                        defmt::warn!("camera: the ring was lapped");
-                        self.restart();
-                        return SourceEvent::Overrun;
+                        return self.lapped();
                     }
                     if Self::is_wanted(line) {
                         return SourceEvent::Row(PICTURE_BYTES);
                     }
                 }
-                PortEvent::Lost => {
+                PortEvent::Lost { to } => {
                     self.line += 1;
+                    if !self.skip(to) {
+                        return self.lapped();
+                    }
                     if Self::is_wanted(line) {
                         return SourceEvent::Lost;
                     }
