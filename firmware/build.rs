@@ -18,8 +18,10 @@ fn main() {
     fs::copy(&memory, out.join("memory.x")).expect("memory.x lies at the root of the workspace");
     println!("cargo:rerun-if-changed={}", memory.display());
     println!("cargo:rustc-link-search={}", out.display());
-    println!("cargo:rustc-link-arg-bin=firmware=-Tlink.x");
-    println!("cargo:rustc-link-arg-bin=firmware=-Tdefmt.x");
+    for program in ["firmware", "selftest"] {
+        println!("cargo:rustc-link-arg-bin={program}=-Tlink.x");
+        println!("cargo:rustc-link-arg-bin={program}=-Tdefmt.x");
+    }
     fs::write(out.join("settings.rs"), settings()).expect("OUT_DIR can be written");
 
     // The emulated machines: a linker script of their own, and what defmt needs.

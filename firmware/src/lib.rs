@@ -8,6 +8,7 @@
 pub mod hm01b0;
 pub mod picture;
 pub mod port;
+pub mod selftest;
 
 #[cfg(target_os = "none")]
 pub mod capture;
