@@ -9,14 +9,11 @@ use haarline_firmware::picture::{HEIGHT, WIDTH};
 use haarline_firmware::selftest::{BLOCKS, CONFIG, DISPARITIES, checksum, expected};
 use haarline_firmware::stack;
 use haarline_tests::{BlockSettings, StereoBm};
-use static_cell::{ConstStaticCell, StaticCell};
+use static_cell::ConstStaticCell;
 
 type Clock = &'static CycleClock;
 
 static CLOCK: ConstStaticCell<CycleClock> = ConstStaticCell::new(CycleClock::new());
-static FULL: StaticCell<Full<BLOCKS, Clock>> = StaticCell::new();
-static LITE: StaticCell<Lite<BLOCKS, Clock>> = StaticCell::new();
-static BLOCK: StaticCell<StereoBm<{ WIDTH as usize }, DISPARITIES, 9, Clock>> = StaticCell::new();
 
 #[cortex_m_rt::entry]
 fn main() -> ! {
@@ -27,17 +24,9 @@ fn main() -> ! {
         core.SCB.enable_icache();
         cycles.start(&mut core.DCB, &mut core.DWT);
     }
-    let (Ok(full), Ok(lite), Ok(block)) = (
-        Full::timed(CONFIG, cycles),
-        Lite::timed(CONFIG, cycles),
-        StereoBm::timed(CONFIG, BlockSettings::default(), cycles),
-    ) else {
-        defmt::panic!("the configuration is valid")
-    };
-    let (full, lite, block) = (FULL.init(full), LITE.init(lite), BLOCK.init(block));
     defmt::info!("self test of Haarline: {=u16}x{=u32} px at {=u32} MHz", WIDTH, HEIGHT, clock::CORE / 1_000_000);
     loop {
-        let passed = [test("full", full, cycles), test("lite", lite, cycles), test("block", block, cycles)];
+        let passed = [full(cycles), lite(cycles), block(cycles)];
         if passed == [true; 3] {
             defmt::info!("self test passed; stack at most {=usize} B", stack::high_water());
         } else {
@@ -46,6 +35,24 @@ fn main() -> ! {
         // Time for a probe to fetch the log.
         cortex_m::asm::delay(clock::CORE / 100);
     }
+}
+
+// Each has all of the stack for itself, one after the other.
+
+#[inline(never)]
+fn full(clock: Clock) -> bool {
+    test("full", &mut defmt::unwrap!(Full::<BLOCKS, _>::timed(CONFIG, clock).ok()), clock)
+}
+
+#[inline(never)]
+fn lite(clock: Clock) -> bool {
+    test("lite", &mut defmt::unwrap!(Lite::<BLOCKS, _>::timed(CONFIG, clock).ok()), clock)
+}
+
+#[inline(never)]
+fn block(clock: Clock) -> bool {
+    let method = StereoBm::<{ WIDTH as usize }, DISPARITIES, 9, _>::timed(CONFIG, BlockSettings::default(), clock);
+    test("block", &mut defmt::unwrap!(method.ok()), clock)
 }
 
 /// One method: whether its checksum is the host's.
