@@ -84,6 +84,8 @@ echo "== faults of the camera"
 fault short short
 fault long long
 fault overrun overruns
+# What is counted here is the pause after it, as long as a trigger that came too early: the silence within the
+# frame itself goes uncounted on the emulated chip, and its rows are whole all the same.
 fault stall stalled
 fault garbage dropped_rows
 scene 2 --fault silent

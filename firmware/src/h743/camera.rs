@@ -307,4 +307,9 @@ impl RowSource for Camera {
             }
         }
     }
+
+    fn is_waiting(&self) -> bool {
+        // Capture interrupts the vision task: nobody needs its turn.
+        true
+    }
 }
