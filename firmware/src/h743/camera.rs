@@ -24,7 +24,7 @@ use crate::port::{Events, Flags, Port, PortEvent, PortRegisters, Sync};
 /// Bytes of a line of both sensors, and words.
 const LINE_BYTES: usize = 2 * WINDOW[0] as usize;
 const LINE_WORDS: usize = LINE_BYTES / 4;
-const _: () = assert!(LINE_BYTES % 4 == 0);
+const _: () = assert!(LINE_BYTES.is_multiple_of(4));
 /// Lines in the ring: those whose events wait, three that came late, the one under way, and one being read.
 const LINES: usize = 16;
 const RING: usize = LINES * LINE_WORDS;

@@ -19,5 +19,5 @@ const PIXEL_CLOCK: u32 = 1_000_000;
 pub const LINE_LENGTH: u32 = PIXEL_CLOCK / (FRAME_RATE * (FRAME_LENGTH as u32 + 6));
 
 const _: () = assert!(LINE_LENGTH >= 376, "HAARLINE_FRAME_RATE: a line takes 376 clocks at least, so at most 9");
-const _: () = assert!(WIDTH <= WINDOW[0] && WIDTH % 2 == 0, "HAARLINE_SIZE: at most 324 px wide, and even");
+const _: () = assert!(WIDTH <= WINDOW[0] && WIDTH.is_multiple_of(2), "HAARLINE_SIZE: at most 324 px wide, and even");
 const _: () = assert!(HEIGHT <= WINDOW[1] as u32, "HAARLINE_SIZE: at most 244 rows");
