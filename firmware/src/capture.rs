@@ -10,6 +10,9 @@ use crate::ring::{MAX_RAW, RawKind, RawRow, SharedCounters, To};
 /// A camera that delivers nothing for so long is silent: three frames at 30 a second.
 pub const SILENCE: Duration = Duration::from_millis(100);
 
+/// Before its first frame it has more time: sensors are set up first.
+const FIRST_SILENCE: Duration = Duration::from_secs(1);
+
 /// Takes the camera's events until it has no more, and hands the rows over. It waits for the camera
 /// only: without room in the ring rows are dropped by the policy of [`haarline::framing`].
 ///
@@ -25,9 +28,10 @@ pub async fn capture(
     // Where a row goes while the ring is full: whether there is room counts when it is there.
     let mut spare = [0; MAX_RAW];
     loop {
+        let silence = if framing.counters().frames == 0 { FIRST_SILENCE } else { SILENCE };
         let (event, is_spare) = match ring.try_send() {
-            Some(slot) => (with_timeout(SILENCE, source.next(&mut slot.bytes)).await, false),
-            None => (with_timeout(SILENCE, source.next(&mut spare)).await, true),
+            Some(slot) => (with_timeout(silence, source.next(&mut slot.bytes)).await, false),
+            None => (with_timeout(silence, source.next(&mut spare)).await, true),
         };
         let event = match event {
             Ok(SourceEvent::Over) => break,

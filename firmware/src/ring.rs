@@ -3,7 +3,7 @@
 use core::cell::Cell;
 
 use embassy_sync::blocking_mutex::Mutex;
-use embassy_sync::blocking_mutex::raw::ThreadModeRawMutex;
+use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use embassy_sync::zerocopy_channel::{Receiver, Sender};
 use haarline::framing::Place;
 use haarline::{Counters, Disparity};
@@ -18,9 +18,9 @@ pub const RAW_ROWS: usize = 8;
 pub const RESULT_ROWS: usize = 16;
 
 /// The sending end of a ring.
-pub type To<T> = Sender<'static, ThreadModeRawMutex, T>;
+pub type To<T> = Sender<'static, CriticalSectionRawMutex, T>;
 /// The receiving end of a ring.
-pub type From<T> = Receiver<'static, ThreadModeRawMutex, T>;
+pub type From<T> = Receiver<'static, CriticalSectionRawMutex, T>;
 
 /// What capture tells vision.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -92,7 +92,7 @@ impl ResultRow {
 }
 
 /// The counters that all tasks see.
-pub struct SharedCounters(Mutex<ThreadModeRawMutex, Cell<Counters>>);
+pub struct SharedCounters(Mutex<CriticalSectionRawMutex, Cell<Counters>>);
 
 impl SharedCounters {
     /// All at zero.

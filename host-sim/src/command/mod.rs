@@ -6,6 +6,7 @@ mod demo;
 mod depth;
 mod eval;
 mod play;
+mod receive;
 mod record;
 mod rig;
 mod shared;
@@ -46,6 +47,8 @@ enum Command {
     Record(record::Args),
     /// Rig descriptions: what the cameras are like and how they stand
     Rig(rig::Args),
+    /// Row packets that a chip sent in, disparity maps out
+    Receive(receive::Args),
     /// Scores the method full without one of its parts each: what every part brings
     Ablate(ablate::Args),
     /// The firmware application on an emulated Cortex-M: same bytes, every instruction counted
@@ -115,6 +118,7 @@ impl Cli {
             Command::Play(args) => args.run()?,
             Command::Record(args) => args.run()?,
             Command::Rig(args) => args.run()?,
+            Command::Receive(args) => args.run()?,
             Command::Ablate(args) => args.run()?,
             Command::Twin(args) => args.run()?,
             Command::Study(args) => args.run()?,

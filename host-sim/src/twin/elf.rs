@@ -26,6 +26,8 @@ pub fn build() -> Result<PathBuf> {
     );
     let mut cargo = Command::new(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     cargo.current_dir(root).args(["build", "--quiet", "-p", "haarline-firmware", "--bin", "twin"]);
+    // Without a board's interrupt table.
+    cargo.args(["--no-default-features", "--features", "twin"]);
     cargo.args(["--profile", "firmware", "--target", TARGET, "--message-format", "json-render-diagnostics"]);
     let output = cargo.stderr(Stdio::inherit()).output();
     let output = output.context("cargo cannot be run: install Rust from https://rustup.rs, or use --elf")?;

@@ -2,11 +2,11 @@
 
 use defmt_semihosting as _;
 use embassy_executor::{Executor, Spawner};
-use embassy_sync::blocking_mutex::raw::ThreadModeRawMutex;
+use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use embassy_sync::zerocopy_channel::Channel;
 use haarline::{StereoMethod, Wiring};
 use haarline_firmware::ring::{From, RAW_ROWS, RESULT_ROWS, RawRow, ResultRow, SharedCounters, To};
-use haarline_firmware::{capture, results, vision};
+use haarline_firmware::{capture, results, stack, vision};
 use semihosting::{eprintln, process};
 use static_cell::{ConstStaticCell, StaticCell};
 
@@ -14,7 +14,7 @@ use crate::clock::TwinClock;
 use crate::options::Options;
 use crate::sink::FileSink;
 use crate::source::FileSource;
-use crate::{methods, stack, time};
+use crate::{methods, time};
 
 /// What happened to the camera's frames.
 pub static COUNTERS: SharedCounters = SharedCounters::new();
@@ -22,8 +22,8 @@ pub static COUNTERS: SharedCounters = SharedCounters::new();
 static CLOCK: ConstStaticCell<TwinClock> = ConstStaticCell::new(TwinClock::new());
 static RAW_RING: ConstStaticCell<[RawRow; RAW_ROWS]> = ConstStaticCell::new([RawRow::EMPTY; RAW_ROWS]);
 static RESULT_RING: ConstStaticCell<[ResultRow; RESULT_ROWS]> = ConstStaticCell::new([ResultRow::EMPTY; RESULT_ROWS]);
-static RAW: StaticCell<Channel<'static, ThreadModeRawMutex, RawRow>> = StaticCell::new();
-static RESULTS: StaticCell<Channel<'static, ThreadModeRawMutex, ResultRow>> = StaticCell::new();
+static RAW: StaticCell<Channel<'static, CriticalSectionRawMutex, RawRow>> = StaticCell::new();
+static RESULTS: StaticCell<Channel<'static, CriticalSectionRawMutex, ResultRow>> = StaticCell::new();
 static EXECUTOR: StaticCell<Executor> = StaticCell::new();
 
 /// What start-up makes for the tasks.

@@ -21,8 +21,6 @@ mod sink;
 #[cfg(target_os = "none")]
 mod source;
 #[cfg(target_os = "none")]
-mod stack;
-#[cfg(target_os = "none")]
 mod time;
 
 #[cfg(not(target_os = "none"))]

@@ -1,12 +1,13 @@
 //! What the run cost, as lines of a name and a number.
 
 use haarline::Stage;
+use haarline_firmware::stack;
 use semihosting::fs::File;
 use semihosting::io::{Result, Write};
 
 use crate::chip::COUNTERS;
 use crate::clock::TwinClock;
-use crate::{file, stack};
+use crate::file;
 
 /// Writes the report.
 pub fn write(clock: &TwinClock, startup_stack: usize) -> Result<()> {

@@ -1,0 +1,165 @@
+//! The board: the part, its crystal, two sensors and two listeners.
+
+use std::num::{NonZeroU32, NonZeroU64};
+use std::sync::{Arc, Mutex};
+
+use rigless::cpu::armv7m::windows;
+use rigless::device::{ErasedDevice, ResetCause};
+use rigless::edge::Pulse;
+use rigless::machine::armv7m::{
+    BranchPrediction, Caches, Config, Core, Fpu, ImplementationRegister, MpuRegions, Variant,
+};
+use rigless::machine::{Board, Target};
+use rigless::mcu::{Mcu, Operate};
+use rigless::snapshot::Store;
+use rigless::soc::stm32h743::Stm32h743;
+use rigless::soc::stm32h743::peripherals::usart;
+use rigless::soc::{Bus, Error};
+use rigless::time::VirtualNanos;
+
+use crate::camera::{Camera, FaultKind};
+use crate::dcmi::Dcmi;
+use crate::sensor::{Registers, Sensor};
+use crate::wire::{Heard, Wire};
+
+/// Core clock, and instructions a second: one a cycle.
+pub const CLOCK: u64 = 480_000_000;
+/// Of the Nucleo: 8 MHz from its debugger, and 3.3 V.
+const HSE: u64 = 8_000_000;
+const SUPPLY: u32 = 3300;
+/// The ports of the row packets and of MAVLink.
+const ROWS: &str = "USART1";
+const MAVLINK: &str = "UART7";
+/// I2C1 has the left sensor, I2C2 the right one.
+const BUSES: [usize; 2] = [0, 1];
+/// How long the sensors keep silent if that is the fault, ns.
+const SILENT: u64 = 300_000_000;
+/// TIM3 pulses the sensors' trigger pins, by the order of the part's timers.
+const TRIGGER_TIMER: usize = 1;
+
+/// The part, with a camera interface of ours.
+#[derive(Debug)]
+pub struct Chip {
+    pub part: Stm32h743,
+    pub dcmi: Dcmi,
+    slot: usize,
+}
+
+impl Mcu for Chip {
+    fn bus(&self) -> &Bus {
+        self.part.bus()
+    }
+
+    fn bus_mut(&mut self) -> &mut Bus {
+        self.part.bus_mut()
+    }
+
+    fn reset(&mut self, at: VirtualNanos, cause: ResetCause) {
+        self.part.reset(at, cause);
+        self.dcmi.restarted();
+    }
+
+    fn poll(&mut self, now: VirtualNanos) {
+        self.part.poll(now);
+    }
+
+    fn split(&mut self, slot: usize) -> (&mut Bus, Option<&mut dyn ErasedDevice>) {
+        if slot == self.slot {
+            return (self.part.bus_mut(), Some(&mut self.dcmi));
+        }
+        self.part.split(slot)
+    }
+}
+
+/// The board.
+#[derive(Debug)]
+pub struct Rig {
+    pub chip: Chip,
+    pub rows: Heard,
+    pub mavlink: Heard,
+}
+
+impl Rig {
+    pub fn new(camera: Camera) -> Result<Self, Error> {
+        let mut part = Stm32h743::new()?;
+        part.rcc.attach_crystals(HSE, 0);
+        part.set_supply(SUPPLY);
+        part.set_analog_supply(SUPPLY);
+        let (rows, mavlink) = (Heard::default(), Heard::default());
+        for (name, heard) in [(ROWS, &rows), (MAVLINK, &mavlink)] {
+            let nth = usart::INSTANCES.iter().position(|&instance| instance == name).expect("the part has it");
+            part.usart[nth].attach(Wire(Arc::clone(heard)));
+        }
+        let is_silent = camera.fault.is_some_and(|fault| fault.kind == FaultKind::Silent);
+        let sensors = [(); 2].map(|()| Arc::new(Mutex::new(Registers::default())));
+        for (bus, sensor) in BUSES.into_iter().zip(&sensors) {
+            part.i2c[bus].attach(Sensor::new(Arc::clone(sensor), if is_silent { SILENT } else { 0 }));
+        }
+        let slot = part.bus().slot("DCMI")?;
+        let dcmi = Dcmi::new(camera, sensors);
+        Ok(Self { chip: Chip { part, dcmi, slot }, rows, mavlink })
+    }
+
+    /// Looks at the trigger pin.
+    pub fn look(&mut self, now: VirtualNanos) {
+        let (timer, registers) = self.chip.part.timer(TRIGGER_TIMER);
+        let channel = rigless::soc::stm32h743::peripherals::tim::Channel::new(1).expect("a timer has it");
+        let period = timer.pulse(channel, registers).map(|Pulse { period, .. }| period);
+        let Chip { part, dcmi, slot } = &mut self.chip;
+        let (_, mut context) = part.bus_mut().drive(now, *slot);
+        dcmi.trigger(period, &mut context);
+    }
+
+    fn config(&self) -> Config {
+        let clock = NonZeroU64::new(CLOCK).expect("it runs");
+        let core = Core {
+            variant: Variant::M7,
+            clock_hz: clock,
+            interrupt_lines: NonZeroU32::new(u32::from(Operate::cpu(&self.chip).interrupt_lines)).expect("it has some"),
+            priority_bits: 4,
+            refclk_divider: NonZeroU32::new(8).expect("it divides"),
+            instructions_per_second: clock,
+            boot: "flash",
+        };
+        let mut config = Config::new(core, &windows(self.chip.bus()));
+        config.fpu = Fpu::FpV5Dp;
+        config.mpu_regions = MpuRegions::Sixteen;
+        // PM0253: a Cortex-M7 r1p1 with 16 KB of each cache, and the control registers of its memories.
+        config.cpuid = 0x411F_C271;
+        config.caches = Some(Caches { clidr: 0x0900_0003, ctr: 0x8303_C003, ccsidr: &[0xF00F_E019, 0xF01F_E009] });
+        config.branch_prediction = BranchPrediction::Always;
+        let register = |offset, reset, writable| ImplementationRegister { offset, reset, writable };
+        config.implementation_registers = vec![
+            register(0xF90, 0b0111 << 3, 0b111),
+            register(0xF94, 0b1000 << 3, 0b111),
+            register(0xF98, 0, 1),
+            register(0xF9C, 0, 0b111),
+            register(0xFA0, 1 << 11, 0x7FF),
+            register(0xFA8, 0, 0),
+        ];
+        config.vector_table = Some(0x0800_0000);
+        config
+    }
+}
+
+// A run is never kept.
+impl Store for Rig {}
+
+impl Board for Rig {
+    fn name(&self) -> &'static str {
+        "haarline-board-h743"
+    }
+
+    fn target_names(&self) -> Vec<&'static str> {
+        vec!["stm32h743"]
+    }
+
+    fn mcu(&mut self, target: usize) -> Option<&mut dyn Mcu> {
+        (target == 0).then_some(&mut self.chip)
+    }
+
+    fn targets(&mut self) -> Vec<Target<'_>> {
+        let core = self.config().spec();
+        vec![Target::new("stm32h743", &mut self.chip, core)]
+    }
+}

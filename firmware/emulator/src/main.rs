@@ -1,0 +1,93 @@
+//! The unmodified program of the board on an emulated STM32H743, with two HM01B0 cameras that play a
+//! raw dump of `haarline record`.
+//!
+//! What it is not: caches, wait states and bus contention are not emulated, every instruction takes a
+//! cycle of 480 MHz, DMA is instant. Time is virtual, so a run is the same run every time.
+
+mod board;
+mod camera;
+mod dcmi;
+mod log;
+mod rtt;
+mod run;
+mod sensor;
+mod symbols;
+mod wire;
+
+use std::fs;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use anyhow::{Context, Result, ensure};
+use clap::Parser;
+
+use camera::{Camera, Fault};
+
+/// Runs a program for the STM32H743 with two cameras.
+#[derive(Parser)]
+struct Args {
+    /// The program, an ELF file
+    elf: PathBuf,
+    /// Raw dump that the cameras play, frame after frame and from its beginning again; without one
+    /// nothing is seen
+    #[arg(long, value_name = "FILE", requires = "size")]
+    raw: Option<PathBuf>,
+    /// Size of one view in the dump, px; the sensors show it in the middle of theirs
+    #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = size)]
+    size: Option<[usize; 2]>,
+    /// Frames to play
+    #[arg(long, default_value_t = 2, value_name = "N")]
+    frames: u32,
+    /// One fault: short, long, overrun, stall, garbage@FRAME, or silent (no sensor answers for 300 ms)
+    #[arg(long, value_name = "KIND[@FRAME]")]
+    fault: Option<Fault>,
+    /// Where the bytes of the first serial port go: row packets
+    #[arg(long, value_name = "FILE")]
+    rows: Option<PathBuf>,
+    /// Where the bytes of the second serial port go: MAVLink
+    #[arg(long, value_name = "FILE")]
+    mavlink: Option<PathBuf>,
+    /// Where the log goes, as text
+    #[arg(long, value_name = "FILE")]
+    log: Option<PathBuf>,
+    /// End after so much virtual time, ms
+    #[arg(long, default_value_t = 10_000, value_name = "MS")]
+    limit: u64,
+    /// End so long after the last frame, ms of virtual time
+    #[arg(long, default_value_t = 150, value_name = "MS")]
+    tail: u64,
+}
+
+fn size(text: &str) -> Result<[usize; 2], String> {
+    let sides = text.split_once('x').and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
+    sides.filter(|s| s.iter().all(|&side| side > 0)).ok_or_else(|| "must be as 320x240".to_owned())
+}
+
+fn main() -> ExitCode {
+    match run(&Args::parse()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(args: &Args) -> Result<()> {
+    let dump = match &args.raw {
+        Some(path) => fs::read(path).with_context(|| path.display().to_string())?,
+        None => Vec::new(),
+    };
+    let camera = Camera::new(dump, args.size.unwrap_or([0, 0]), args.frames, args.fault)?;
+    let outcome = run::run(&args.elf, camera, args.limit, args.tail)?;
+    for (path, bytes) in
+        [(&args.rows, &outcome.rows), (&args.mavlink, &outcome.mavlink), (&args.log, &outcome.log.into_bytes())]
+    {
+        if let Some(path) = path {
+            fs::write(path, bytes).with_context(|| path.display().to_string())?;
+        }
+    }
+    print!("{}", outcome.text);
+    ensure!(!outcome.is_fatal, "the program went where nothing is");
+    Ok(())
+}

@@ -1,0 +1,96 @@
+//! One run, and what it leaves.
+
+use std::fmt::Write;
+use std::fs;
+use std::path::Path;
+
+use anyhow::{Context, Result};
+use rigless::emulator::{self, Driver, Host, Start, Stop};
+use rigless::image::Image;
+use rigless::session::Session;
+use rigless::time::VirtualNanos;
+
+use crate::board::{CLOCK, Rig};
+use crate::camera::Camera;
+use crate::rtt::Rtt;
+use crate::{log, symbols};
+
+/// How often the log is read and the trigger looked at, ns.
+const LOOK: u64 = 1_000_000;
+
+/// What a run leaves.
+pub struct Outcome {
+    pub rows: Vec<u8>,
+    pub mavlink: Vec<u8>,
+    /// The log, decoded.
+    pub log: String,
+    pub text: String,
+    /// The program went where nothing is.
+    pub is_fatal: bool,
+}
+
+struct Watcher {
+    rtt: Rtt,
+    limit: u64,
+    tail: u64,
+    /// Instructions in the end.
+    instructions: u64,
+}
+
+impl Driver<Rig> for Watcher {
+    fn on_stop(&mut self, session: &mut Session<Rig>, stop: Stop, host: &mut dyn Host) -> Option<VirtualNanos> {
+        self.instructions = stop.instruction_count;
+        let now = stop.at;
+        // Memory that nobody can read is a program without a log yet.
+        let _ = self.rtt.drain(host);
+        let board = session.board_mut();
+        board.look(now);
+        let dcmi = &board.chip.dcmi;
+        let shown = dcmi.ended.filter(|_| dcmi.is_over()).map(|ended| ended.0 + self.tail * LOOK);
+        let end = [shown, Some(self.limit * LOOK)].into_iter().flatten().min();
+        (end > Some(now.0)).then(|| VirtualNanos((now.0 / LOOK + 1) * LOOK))
+    }
+}
+
+/// Runs the program until the cameras have shown everything, or for `limit` ms.
+pub fn run(elf: &Path, camera: Camera, limit: u64, tail: u64) -> Result<Outcome> {
+    let name = || elf.display().to_string();
+    let program = fs::read(elf).with_context(name)?;
+    let block = symbols::control_block(&program).with_context(name)?;
+    let images = [Image::read(elf, None).with_context(name)?];
+    let session = Session::new(Box::new(Rig::new(camera)?), 0, VirtualNanos(LOOK))?;
+    let watcher = Watcher { rtt: Rtt::new(block), limit, tail, instructions: 0 };
+    let finished = emulator::run(session, &Start::new(&images), watcher)?;
+    let (session, watcher) = (finished.session, finished.driver);
+    let board = session.board();
+    let heard = |wire: &crate::wire::Heard| wire.lock().expect("nobody panics").clone();
+    let (rows, mavlink) = (heard(&board.rows), heard(&board.mavlink));
+    let log = log::text(&program, &watcher.rtt.bytes).with_context(name)?;
+
+    let mut text = String::new();
+    let dcmi = &board.chip.dcmi;
+    let at = finished.stop.map_or(0, |stop| stop.at.0);
+    let _ = writeln!(
+        text,
+        "virtual time {} ms, {} instructions at {} MHz",
+        at / LOOK,
+        watcher.instructions,
+        CLOCK / 1_000_000
+    );
+    let _ = writeln!(text, "frames shown {}, words stored {}, FIFO overruns {}", dcmi.frame, dcmi.words, dcmi.overruns);
+    let _ = writeln!(text, "bytes: rows {}, MAVLink {}, log {}", rows.len(), mavlink.len(), watcher.rtt.bytes.len());
+    for reset in session.resets() {
+        let _ = writeln!(text, "reset: {reset:?}");
+    }
+    for told in session.told() {
+        let _ = writeln!(text, "told: {told:?}");
+    }
+    for (address, fault) in session.refused() {
+        let _ = writeln!(text, "refused: {address:#x} {fault:?}");
+    }
+    let unmapped = session.unmapped();
+    for access in &unmapped {
+        let _ = writeln!(text, "unmapped: {access:?}");
+    }
+    Ok(Outcome { rows, mavlink, log, text, is_fatal: !unmapped.is_empty() })
+}

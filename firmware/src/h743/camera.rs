@@ -1,0 +1,315 @@
+//! The camera interface: [`Port`] at the registers of DCMI and DMA1, and the rows out of its ring.
+
+use core::cell::RefCell;
+use core::future::poll_fn;
+use core::sync::atomic::AtomicBool;
+use core::task::Poll;
+
+use critical_section::{CriticalSection, Mutex};
+use embassy_stm32::dma::{Channel, InterruptHandler, ReadableRingBuffer, TransferOptions};
+use embassy_stm32::gpio::{AfType, Flex, Pull};
+use embassy_stm32::interrupt::typelevel::{Binding, DCMI, DMA1_STREAM0, Handler, Interrupt};
+use embassy_stm32::peripherals::{self, DMA1_CH0};
+use embassy_stm32::{Peri, dcmi, pac, rcc};
+use embassy_sync::waitqueue::AtomicWaker;
+use heapless::spsc::{Consumer, Producer, Queue};
+use static_cell::ConstStaticCell;
+
+use super::dma_memory::DmaMemory;
+use super::settings::{HEIGHT, WIDTH};
+use crate::edge::{RowSource, SourceEvent};
+use crate::hm01b0::WINDOW;
+use crate::port::{Events, Flags, Port, PortEvent, PortRegisters, Sync};
+
+/// Bytes of a line of both sensors, and words.
+const LINE_BYTES: usize = 2 * WINDOW[0] as usize;
+const LINE_WORDS: usize = LINE_BYTES / 4;
+const _: () = assert!(LINE_BYTES.is_multiple_of(4));
+/// Lines in the ring: those whose events wait, three that came late, the one under way, and one being read.
+const LINES: usize = 16;
+const RING: usize = LINES * LINE_WORDS;
+/// Events that wait, of which all but two may be lines.
+const QUEUE: usize = 11;
+
+/// The picture in the middle of the window.
+const FIRST_BYTE: usize = (WINDOW[0] - WIDTH) as usize;
+const PICTURE_BYTES: usize = 2 * WIDTH as usize;
+const FIRST_LINE: u32 = (WINDOW[1] as u32 - HEIGHT) / 2;
+
+type Ring = ReadableRingBuffer<'static, u32>;
+
+#[unsafe(link_section = ".dma")]
+#[expect(unsafe_code, reason = "a section of the linker script")]
+static MEMORY: DmaMemory<[u32; RING]> = DmaMemory::new();
+static MEMORY_TAKEN: AtomicBool = AtomicBool::new(false);
+static EVENTS: ConstStaticCell<Queue<PortEvent, { QUEUE + 1 }>> = ConstStaticCell::new(Queue::new());
+static SERVED: Mutex<RefCell<Option<Served>>> = Mutex::new(RefCell::new(None));
+static WAKER: AtomicWaker = AtomicWaker::new();
+
+/// What the interrupts work on.
+struct Served {
+    port: Port,
+    events: Producer<'static, PortEvent>,
+}
+
+impl Events for Producer<'static, PortEvent> {
+    fn room(&self) -> usize {
+        self.capacity() - self.len()
+    }
+
+    fn push(&mut self, event: PortEvent) {
+        // There is room: the port asks first.
+        let _ = self.enqueue(event);
+    }
+}
+
+/// The registers.
+struct Pac;
+
+impl PortRegisters for Pac {
+    fn take_flags(&mut self) -> Flags {
+        let raised = pac::DCMI.ris().read();
+        pac::DCMI.icr().write_value(pac::dcmi::regs::Icr(raised.0));
+        let dma_error = pac::DMA1.isr(0).read().teif(0);
+        if dma_error {
+            pac::DMA1.ifcr(0).write(|w| w.set_teif(0, true));
+        }
+        Flags { line: raised.line_ris(), frame: raised.frame_ris(), overrun: raised.ovr_ris(), dma_error }
+    }
+
+    fn sync(&self) -> Sync {
+        let status = pac::DCMI.sr().read();
+        match (status.vsync(), status.hsync()) {
+            (true, _) => Sync::BetweenFrames,
+            (false, true) => Sync::BetweenLines,
+            (false, false) => Sync::InLine,
+        }
+    }
+
+    fn ring_position(&self) -> u32 {
+        u32::try_from(RING).unwrap_or(0) - u32::from(pac::DMA1.st(0).ndtr().read().ndt())
+    }
+
+    fn stop(&mut self) {
+        rcc::enable_and_reset::<peripherals::DCMI>();
+    }
+
+    fn restart(&mut self) {
+        // A reset is what surely empties it.
+        self.stop();
+        pac::DCMI.ier().write(|w| {
+            w.set_line_ie(true);
+            w.set_frame_ie(true);
+            w.set_ovr_ie(true);
+        });
+        pac::DCMI.cr().write(|w| {
+            // Continuous (`CM` 0), every frame, 8 bits; both sync signals are low where no pixels are.
+            w.set_pckpol(true);
+            w.set_enable(true);
+        });
+        pac::DCMI.cr().modify(|w| w.set_capture(true));
+    }
+}
+
+/// Serves the interrupts of the port and of its DMA, before the HAL, for which a DMA error is a panic.
+pub struct PortHandler;
+
+impl Handler<DCMI> for PortHandler {
+    #[expect(unsafe_code, reason = "the trait's")]
+    unsafe fn on_interrupt() {
+        serve();
+    }
+}
+
+impl Handler<DMA1_STREAM0> for PortHandler {
+    #[expect(unsafe_code, reason = "the trait's")]
+    unsafe fn on_interrupt() {
+        if pac::DMA1.isr(0).read().teif(0) {
+            serve();
+        }
+    }
+}
+
+fn serve() {
+    critical_section::with(|cs| {
+        with_port(cs, |served| served.port.serve(&mut Pac, &mut served.events));
+    });
+    WAKER.wake();
+}
+
+fn with_port(cs: CriticalSection<'_>, act: impl FnOnce(&mut Served)) {
+    if let Some(served) = SERVED.borrow_ref_mut(cs).as_mut() {
+        act(served);
+    }
+}
+
+/// The pins of the port.
+pub struct Pins {
+    /// D0 to D7.
+    pub data: [Flex<'static>; 8],
+    /// Pixel clock, HSYNC, VSYNC.
+    pub sync: [Flex<'static>; 3],
+}
+
+impl Pins {
+    /// Gives the pins to the port: alternate function 13, all of them inputs.
+    #[must_use]
+    pub fn new(data: [Flex<'static>; 8], sync: [Flex<'static>; 3]) -> Self {
+        let mut pins = Self { data, sync };
+        for pin in pins.data.iter_mut().chain(&mut pins.sync) {
+            pin.set_as_af_unchecked(13, AfType::input(Pull::None));
+        }
+        pins
+    }
+}
+
+/// The camera.
+pub struct Camera {
+    ring: Ring,
+    events: Consumer<'static, PortEvent>,
+    /// Words read since the port's start.
+    read: u32,
+    /// Lines of the frame so far.
+    line: u32,
+    line_bytes: [u32; LINE_WORDS],
+    _pins: Pins,
+}
+
+impl Camera {
+    /// Starts the port. Can be called once.
+    ///
+    /// # Panics
+    /// If it is called twice.
+    pub fn start(
+        _port: Peri<'static, peripherals::DCMI>,
+        dma: Peri<'static, DMA1_CH0>,
+        irqs: impl Binding<DMA1_STREAM0, InterruptHandler<DMA1_CH0>> + 'static,
+        pins: Pins,
+    ) -> Self {
+        let request = dcmi::FrameDma::<peripherals::DCMI>::request(&*dma);
+        let memory = MEMORY.take(&MEMORY_TAKEN, [0; RING]);
+        let from = pac::DCMI.dr().as_ptr().cast::<u32>();
+        #[expect(unsafe_code, reason = "DMA into memory that is the ring's alone")]
+        // SAFETY: the data register stays where it is, and nobody else has the memory.
+        let ring = unsafe {
+            ReadableRingBuffer::new(Channel::new(dma, irqs), request, from, memory, TransferOptions::default())
+        };
+        let (events, taken) = EVENTS.take().split();
+        let row = u32::try_from(LINE_WORDS).unwrap_or(0);
+        let port = Port::new(row, u32::try_from(RING).unwrap_or(0));
+        critical_section::with(|cs| SERVED.borrow_ref_mut(cs).replace(Served { port, events }));
+        let mut camera = Self { ring, events: taken, read: 0, line: 0, line_bytes: [0; LINE_WORDS], _pins: pins };
+        camera.restart();
+        DCMI::unpend();
+        #[expect(unsafe_code, reason = "its handler is ready")]
+        // SAFETY: no critical section is built on its mask.
+        unsafe {
+            DCMI::enable();
+        }
+        camera
+    }
+
+    /// Begins anew, DMA too.
+    fn restart(&mut self) {
+        critical_section::with(|cs| {
+            with_port(cs, |_| Pac.stop());
+        });
+        self.ring.request_pause();
+        while self.ring.is_running() {}
+        while self.events.dequeue().is_some() {}
+        self.ring.start();
+        self.ring.clear();
+        (self.read, self.line) = (0, 0);
+        critical_section::with(|cs| with_port(cs, |served| served.port.start(&mut Pac)));
+    }
+
+    /// Skips the words up to `to`; whether they were still there.
+    fn skip(&mut self, to: u32) -> bool {
+        while self.read != to {
+            let words = usize::try_from(to.wrapping_sub(self.read)).unwrap_or(0).min(LINE_WORDS);
+            if !self.fetch(words) {
+                return false;
+            }
+        }
+        true
+    }
+
+    /// The picture's bytes of the line that begins at word `at`; whether they were still there.
+    fn copy(&mut self, at: u32, bytes: &mut [u8]) -> bool {
+        if !self.skip(at) || !self.fetch(LINE_WORDS) {
+            return false;
+        }
+        let words = self.line_bytes.iter().flat_map(|word| word.to_le_bytes());
+        for (to, from) in bytes.iter_mut().zip(words.skip(FIRST_BYTE).take(PICTURE_BYTES)) {
+            *to = from;
+        }
+        true
+    }
+
+    /// The next words of the ring.
+    fn fetch(&mut self, words: usize) -> bool {
+        let Some(to) = self.line_bytes.get_mut(..words) else { return false };
+        self.read = self.read.wrapping_add(u32::try_from(words).unwrap_or(0));
+        matches!(self.ring.read(to), Ok((count, _)) if count == words)
+    }
+
+    fn lapped(&mut self) -> SourceEvent {
+        defmt::warn!("camera: the ring was lapped");
+        self.restart();
+        SourceEvent::Overrun
+    }
+
+    /// Whether the line is one of the picture's, or one too many.
+    fn is_wanted(line: u32) -> bool {
+        line >= FIRST_LINE && (line < FIRST_LINE + HEIGHT || line >= u32::from(WINDOW[1]))
+    }
+}
+
+impl RowSource for Camera {
+    async fn next(&mut self, bytes: &mut [u8]) -> SourceEvent {
+        loop {
+            let event = poll_fn(|cx| {
+                WAKER.register(cx.waker());
+                self.events.dequeue().map_or(Poll::Pending, Poll::Ready)
+            });
+            let event = event.await;
+            let line = self.line;
+            match event {
+                PortEvent::Start => {
+                    self.line = 0;
+                    return SourceEvent::Start;
+                }
+                PortEvent::Row { at } => {
+                    self.line += 1;
+                    if !self.copy(at, bytes) {
+                        return self.lapped();
+                    }
+                    if Self::is_wanted(line) {
+                        return SourceEvent::Row(PICTURE_BYTES);
+                    }
+                }
+                PortEvent::Lost { to } => {
+                    self.line += 1;
+                    if !self.skip(to) {
+                        return self.lapped();
+                    }
+                    if Self::is_wanted(line) {
+                        return SourceEvent::Lost;
+                    }
+                }
+                PortEvent::End => return SourceEvent::End,
+                PortEvent::Overrun => return SourceEvent::Overrun,
+                PortEvent::DmaError => {
+                    defmt::warn!("camera: DMA failed, starting it again");
+                    self.restart();
+                    return SourceEvent::Overrun;
+                }
+            }
+        }
+    }
+
+    fn is_waiting(&self) -> bool {
+        // Capture interrupts the vision task: nobody needs its turn.
+        true
+    }
+}

@@ -1,0 +1,26 @@
+//! A panic or a fault is logged, then the chip begins anew.
+
+#![expect(unsafe_code, reason = "an exception may come at any time")]
+
+use core::panic::PanicInfo;
+
+use cortex_m::peripheral::SCB;
+use cortex_m_rt::ExceptionFrame;
+
+/// Long enough for a probe to fetch the log, cycles: 50 ms.
+const FETCH: u32 = super::clock::CORE / 20;
+
+#[panic_handler]
+fn panic(info: &PanicInfo<'_>) -> ! {
+    cortex_m::interrupt::disable();
+    defmt::error!("panic: {}", defmt::Display2Format(info));
+    cortex_m::asm::delay(FETCH);
+    SCB::sys_reset()
+}
+
+#[cortex_m_rt::exception]
+unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
+    defmt::error!("hard fault at {=u32:#010x}, called from {=u32:#010x}", frame.pc(), frame.lr());
+    cortex_m::asm::delay(FETCH);
+    SCB::sys_reset()
+}
