@@ -1,6 +1,9 @@
 //! The contour preparation of an image as a picture: the paper's K(f).
 
 use anyhow::{Result, ensure};
+use haarline::contour::Contour;
+use haarline::curvature::curvature;
+use haarline::extremum::parabola;
 use haarline::haar;
 
 use crate::Frame;
@@ -9,6 +12,10 @@ use crate::Frame;
 const THRESHOLD: i32 = 2;
 /// Share of the contours that are drawn in full white, the strongest ones.
 const WHITE_SHARE: usize = 50;
+/// Least bend of a contour over three rows that is marked, 1/16 px.
+const LEAST_BEND: i32 = 32;
+/// Of points nearer than this, px, in both directions, only the one that bends most is marked.
+const BEND_DISTANCE: usize = 8;
 
 /// Which contours are drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -58,6 +65,43 @@ impl ContourPicture {
             }
         }
         Ok(shade(&strengths))
+    }
+
+    /// The pixels of maximum curvature (S2b), the sharpest first: where an upright contour bends by 2 px or
+    /// more from the row two half-supports above to the row as many below, and more than any contour near it.
+    #[must_use]
+    pub fn bends(&self, frame: &Frame) -> Vec<usize> {
+        let apart = 2 * self.half_support;
+        let lines: Vec<Vec<Contour>> = frame.luma.chunks(frame.width).map(|line| self.points(line)).collect();
+        let rows = lines.iter().zip(lines.iter().skip(apart)).zip(lines.iter().skip(2 * apart));
+        let mut found = Vec::new();
+        for (y, ((above, row), below)) in (apart..).zip(rows) {
+            let bends = curvature(above, row, below, LEAST_BEND);
+            found.extend(bends.map(|point| (point.bend.abs(), row[point.index].column as usize / 16, y)));
+        }
+        found.sort_unstable_by_key(|&(bend, x, y)| (-bend, y, x));
+        let mut kept: Vec<(usize, usize)> = Vec::new();
+        for (_, x, y) in found {
+            if !kept.iter().any(|&(a, b)| a.abs_diff(x) < BEND_DISTANCE && b.abs_diff(y) < BEND_DISTANCE) {
+                kept.push((x, y));
+            }
+        }
+        kept.into_iter().map(|(x, y)| y * frame.width + x).collect()
+    }
+
+    /// The contours of a line with the fraction of their column.
+    fn points(&self, line: &[u8]) -> Vec<Contour> {
+        let mut responses = vec![0; line.len()];
+        haar::sliding_response(line, self.half_support, &mut responses);
+        let strengths = self.contours(line);
+        let point = |x: usize| {
+            let [before, here, after] = [x.checked_sub(1)?, x, x + 1].map(|x| responses.get(x).copied().unwrap_or(0));
+            let sign = here.signum();
+            let column = 16 * x as i32 + parabola(-before * sign, -here * sign, -after * sign);
+            let response = here.clamp(i16::MIN.into(), i16::MAX.into());
+            Some(Contour { column: i16::try_from(column).ok()?, response: response as i16 })
+        };
+        (0..line.len()).filter(|&x| strengths[x] > 0).filter_map(point).collect()
     }
 
     /// The mean steps of the contours of a line, grey levels in 1/16; 0 where there is none.
@@ -152,6 +196,20 @@ mod tests {
         let upright: Vec<(usize, usize)> = (16..24).flat_map(|y| [(8, y), (24, y)]).collect();
         assert!(bright(8, false, true).iter().all(|point| upright.contains(point)));
         assert!(bright(8, false, true).contains(&(24, 20)));
+    }
+
+    #[test]
+    fn a_contour_is_marked_where_it_bends_and_a_straight_one_nowhere() {
+        let roof = |y: usize| 12 + y.abs_diff(16) / 2;
+        let draw = |edge: &dyn Fn(usize) -> usize| {
+            let luma = (0..SIZE * SIZE).map(|i| if i % SIZE < edge(i / SIZE) { 40 } else { 90 }).collect();
+            let picture = ContourPicture { half_support: 2, columns: false, decimated: false };
+            picture.bends(&Frame::from_luma(SIZE, SIZE, luma))
+        };
+        let bends = draw(&roof);
+        assert!(bends.contains(&(16 * SIZE + 12)), "{bends:?}");
+        assert!(bends.iter().all(|i| (i / SIZE).abs_diff(16) <= 4), "{bends:?}");
+        assert!(draw(&|y| 4 + y / 2).is_empty());
     }
 
     #[test]
