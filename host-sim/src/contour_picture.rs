@@ -12,6 +12,8 @@ use crate::Frame;
 const THRESHOLD: i32 = 2;
 /// Share of the contours that are drawn in full white, the strongest ones.
 const WHITE_SHARE: usize = 50;
+/// Least mean step of a contour whose bends are marked, grey levels: fainter ones bend with the noise.
+const BEND_THRESHOLD: i32 = 10;
 /// Least bend of a contour over three rows that is marked, 1/16 px.
 const LEAST_BEND: i32 = 32;
 /// Of points nearer than this, px, in both directions, only the one that bends most is marked.
@@ -89,7 +91,7 @@ impl ContourPicture {
         kept.into_iter().map(|(x, y)| y * frame.width + x).collect()
     }
 
-    /// The contours of a line with the fraction of their column.
+    /// The clear contours of a line with the fraction of their column.
     fn points(&self, line: &[u8]) -> Vec<Contour> {
         let mut responses = vec![0; line.len()];
         haar::sliding_response(line, self.half_support, &mut responses);
@@ -101,7 +103,7 @@ impl ContourPicture {
             let response = here.clamp(i16::MIN.into(), i16::MAX.into());
             Some(Contour { column: i16::try_from(column).ok()?, response: response as i16 })
         };
-        (0..line.len()).filter(|&x| strengths[x] > 0).filter_map(point).collect()
+        (0..line.len()).filter(|&x| strengths[x] >= 16 * BEND_THRESHOLD).filter_map(point).collect()
     }
 
     /// The mean steps of the contours of a line, grey levels in 1/16; 0 where there is none.

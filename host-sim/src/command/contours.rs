@@ -26,7 +26,7 @@ pub(super) struct Args {
     /// By the decimated transform: fewer contours, at multiples of the half-support
     #[arg(long)]
     decimated: bool,
-    /// Marks the points of maximum curvature: contours grey, and white squares where an upright one bends
+    /// Marks the points of maximum curvature: contours grey, and white squares where a clear upright one bends
     #[arg(long, conflicts_with = "decimated")]
     curvature: bool,
 }
@@ -59,7 +59,7 @@ impl Args {
 /// Dims the picture and marks these pixels by white squares of 3 px.
 fn mark(picture: &mut [u8], width: usize, points: &[usize]) {
     for grey in picture.iter_mut() {
-        *grey /= 3;
+        *grey /= 2;
     }
     for &point in points {
         for row in [point.checked_sub(width), Some(point), Some(point + width)].into_iter().flatten() {
