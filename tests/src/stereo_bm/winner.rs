@@ -1,6 +1,6 @@
 //! The choice among the costs of one pixel.
 
-use haarline::count;
+use haarline::{Config, count};
 
 /// The least cost of a pixel, and the least of the costs that speak against it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -17,17 +17,17 @@ impl Winner {
     /// Finds the least cost and its rival. `costs` must not be empty.
     pub fn find<C: Copy + Into<u32>>(costs: &[C]) -> Self {
         count::comparisons(2 * costs.len());
-        let (mut index, mut cost) = (0, u32::MAX);
-        for (candidate, &other) in costs.iter().enumerate() {
-            let other = other.into();
-            if other < cost {
-                (index, cost) = (candidate, other);
+        let (mut group, mut cost) = (0, u32::MAX);
+        let mut leasts = [u32::MAX; Config::MAX_DISPARITIES as usize / GROUP];
+        for (number, (least, costs)) in leasts.iter_mut().zip(costs.chunks(GROUP)).enumerate() {
+            *least = least_of(costs);
+            if *least < cost {
+                (group, cost) = (number, *least);
             }
         }
-        let below = &costs[..index.saturating_sub(1)];
-        let above = costs.get(index + 2..).unwrap_or(&[]);
-        let rival = below.iter().chain(above).map(|&other| other.into()).min();
-        Self { index, cost, rival }
+        let start = group * GROUP;
+        let index = start + costs[start..].iter().position(|&other| other.into() == cost).unwrap_or(0);
+        Self { index, cost, rival: rival(costs, index, &leasts[..costs.len().div_ceil(GROUP)]) }
     }
 
     /// Whether the rival's cost is more than `ratio` percent over the least cost.
@@ -66,9 +66,52 @@ impl Winner {
     }
 }
 
+/// Costs whose least is found at once: a rival is looked for again only in the winner's group and the one beside it.
+const GROUP: usize = 8;
+
+fn least_of<C: Copy + Into<u32>>(costs: &[C]) -> u32 {
+    let least = |least: u32, &cost: &C| least.min(cost.into());
+    // Of known length it needs no loop.
+    match costs.as_array::<GROUP>() {
+        Some(group) => group.iter().fold(u32::MAX, least),
+        None => costs.iter().fold(u32::MAX, least),
+    }
+}
+
+/// Least cost more than one position from `index`, by the `leasts` of the groups.
+fn rival<C: Copy + Into<u32>>(costs: &[C], index: usize, leasts: &[u32]) -> Option<u32> {
+    let (below, above) = (index.saturating_sub(1), (index + 2).min(costs.len()));
+    if below == 0 && above == costs.len() {
+        return None;
+    }
+    let (full, next) = (below / GROUP, above.div_ceil(GROUP));
+    let beside = costs[full * GROUP..below].iter().chain(&costs[above..(next * GROUP).min(costs.len()).max(above)]);
+    let beside = beside.fold(u32::MAX, |least, &cost| least.min(cost.into()));
+    let groups = leasts[..full].iter().chain(leasts.get(next..).unwrap_or(&[]));
+    Some(groups.fold(beside, |least, &other| least.min(other)))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn groups_give_what_a_plain_search_gives() {
+        let mut state = 1_u32;
+        for length in 1..=100 {
+            for _ in 0..50 {
+                let costs = [(); 100].map(|()| {
+                    state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                    state >> 26
+                });
+                let costs = &costs[..length];
+                let (index, &cost) = costs.iter().enumerate().min_by_key(|&(_, cost)| cost).unwrap();
+                let others = costs.iter().enumerate().filter(|&(other, _)| other.abs_diff(index) > 1);
+                let rival = others.map(|(_, &cost)| cost).min();
+                assert_eq!(Winner::find(costs), Winner { index, cost, rival }, "{costs:?}");
+            }
+        }
+    }
 
     #[test]
     fn the_first_of_equal_costs_wins() {
