@@ -17,6 +17,9 @@ impl Winner {
     /// Finds the least cost and its rival. `costs` must not be empty.
     pub fn find<C: Copy + Into<u32>>(costs: &[C]) -> Self {
         count::comparisons(2 * costs.len());
+        if costs.len() <= FEW {
+            return Self::find_in_few(costs);
+        }
         let (mut group, mut cost) = (0, u32::MAX);
         let mut leasts = [u32::MAX; Config::MAX_DISPARITIES as usize / GROUP];
         for (number, (least, costs)) in leasts.iter_mut().zip(costs.chunks(GROUP)).enumerate() {
@@ -28,6 +31,21 @@ impl Winner {
         let start = group * GROUP;
         let index = start + costs[start..].iter().position(|&other| other.into() == cost).unwrap_or(0);
         Self { index, cost, rival: rival(costs, index, &leasts[..costs.len().div_ceil(GROUP)]) }
+    }
+
+    /// The same without groups.
+    fn find_in_few<C: Copy + Into<u32>>(costs: &[C]) -> Self {
+        let (mut index, mut cost) = (0, u32::MAX);
+        for (candidate, &other) in costs.iter().enumerate() {
+            let other = other.into();
+            if other < cost {
+                (index, cost) = (candidate, other);
+            }
+        }
+        let below = &costs[..index.saturating_sub(1)];
+        let above = costs.get(index + 2..).unwrap_or(&[]);
+        let rival = below.iter().chain(above).map(|&other| other.into()).min();
+        Self { index, cost, rival }
     }
 
     /// Whether the rival's cost is more than `ratio` percent over the least cost.
@@ -68,6 +86,8 @@ impl Winner {
 
 /// Costs whose least is found at once: a rival is looked for again only in the winner's group and the one beside it.
 const GROUP: usize = 8;
+/// Costs that are too few for groups to pay.
+const FEW: usize = 3 * GROUP;
 
 fn least_of<C: Copy + Into<u32>>(costs: &[C]) -> u32 {
     let least = |least: u32, &cost: &C| least.min(cost.into());
