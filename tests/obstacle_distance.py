@@ -16,6 +16,7 @@ from pymavlink.dialects.v20 import common as mavlink  # noqa: E402
 
 UNKNOWN = 65535
 FRAMES = 32
+RATE = 5  # frames a second of `haarline rig new`
 
 
 def make(haarline, folder, method):
@@ -49,7 +50,7 @@ def check(messages, table):
     for message in messages:
         assert (message.get_srcSystem(), message.get_srcComponent()) == (1, 196), message
     beats = [message for message in messages if message.get_type() == "HEARTBEAT"]
-    assert len(beats) == 2 and messages[0] is beats[0], "one heartbeat a second"
+    assert len(beats) == -(-FRAMES // RATE) and messages[0] is beats[0], "one heartbeat a second"
     for beat in beats:
         assert beat.type == mavlink.MAV_TYPE_ONBOARD_CONTROLLER
         assert beat.autopilot == mavlink.MAV_AUTOPILOT_INVALID
@@ -60,7 +61,7 @@ def check(messages, table):
         assert message.frame == mavlink.MAV_FRAME_BODY_FRD
         assert (message.increment, message.increment_f, message.angle_offset) == (5, 0.0, -40.0)
         assert (message.min_distance, message.max_distance) == (25, 1200)
-        assert message.time_usec == index * (1_000_000 // 30)
+        assert message.time_usec == index * (1_000_000 // RATE)
         assert bearings == [int(message.angle_offset) + message.increment * i for i in range(len(bearings))]
         told = [UNKNOWN if field == "" or int(field) > message.max_distance else int(field) for field in row[1:]]
         assert list(message.distances) == told + [UNKNOWN] * (72 - len(told)), index

@@ -4,16 +4,12 @@ use anyhow::{Context, Result};
 use haarline::obstacle::{MAX_SECTORS, Obstacles, Settings};
 use haarline::{Config, DisparityRow, Setup, blocks_for};
 use haarline_rig::Description;
-use haarline_telemetry::Link;
+use haarline_telemetry::{Link, State};
 
 use crate::DisparityMap;
 
 /// MAVLink system that the messages come from: an autopilot's, unless it was set otherwise.
 const SYSTEM: u8 = 1;
-/// Time between two frames of a recording, which does not tell it: 30 frames a second.
-const FRAME_US: u64 = 1_000_000 / 30;
-/// A heartbeat goes out before each so many frames: once a second.
-const HEARTBEAT_FRAMES: usize = 30;
 
 /// The nearest obstacles of a frame.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -28,6 +24,7 @@ pub struct FrameObstacles {
 #[derive(Debug, Clone)]
 pub struct ObstacleFinder {
     setup: Setup<MAX_SECTORS>,
+    frame_rate_hz: u16,
     bearings_deg: Vec<i16>,
     finder: Obstacles<MAX_SECTORS, { blocks_for(Config::MAX_WIDTH) }>,
 }
@@ -38,10 +35,10 @@ impl ObstacleFinder {
     /// # Errors
     /// If the description's fields do not go together.
     pub fn new(description: &Description) -> Result<Self> {
-        let setup = description.setup::<MAX_SECTORS>()?;
+        let (plan, setup) = (description.plan()?, description.setup::<MAX_SECTORS>()?);
         let size = [setup.config.width, setup.height];
         let finder = Obstacles::new(size, setup.rig, setup.mounting, setup.sectors, Settings::DEFAULT)?;
-        Ok(Self { setup, bearings_deg: description.bearings_deg().collect(), finder })
+        Ok(Self { setup, frame_rate_hz: plan.frame_rate_hz, bearings_deg: plan.bearings_deg().collect(), finder })
     }
 
     /// Distance over the ground to the nearest obstacle of each sector, mm.
@@ -77,18 +74,18 @@ impl ObstacleFinder {
         writer.into_inner().context("obstacles.csv")
     }
 
-    /// What a board would send to an autopilot: `OBSTACLE_DISTANCE` of each frame that has a map, as if there
-    /// were 30 a second, and a `HEARTBEAT` each second.
+    /// What a board would send to an autopilot: `OBSTACLE_DISTANCE` of each frame that has a map, as if they came
+    /// at the rig's frame rate, and a `HEARTBEAT` each second.
     #[must_use]
     pub fn encode_mavlink(&self, frames: &[FrameObstacles]) -> Vec<u8> {
         let mut link = Link::new(SYSTEM);
         let mut bytes = Vec::new();
         for (index, FrameObstacles { frame, nearest_mm }) in frames.iter().enumerate() {
-            if index % HEARTBEAT_FRAMES == 0 {
-                bytes.extend_from_slice(link.heartbeat().as_bytes());
+            if index % usize::from(self.frame_rate_hz) == 0 {
+                bytes.extend_from_slice(link.heartbeat(State::Active).as_bytes());
             }
             if !nearest_mm.is_empty() {
-                let time_us = *frame as u64 * FRAME_US;
+                let time_us = *frame as u64 * (1_000_000 / u64::from(self.frame_rate_hz));
                 let nearest_mm = nearest_mm.iter().copied();
                 let message = link.obstacle_distance(time_us, &self.setup.reach, nearest_mm);
                 bytes.extend_from_slice(message.as_bytes());

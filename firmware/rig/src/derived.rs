@@ -35,8 +35,7 @@ impl Derived {
         let view_deg = description.view_deg();
         let lowest_ray = (view_deg[1] / 2.0 - description.pitch_deg).to_radians();
         let ground = f64::from(description.camera_height_mm) / 1000.0 / lowest_ray.tan();
-        let bearings: Vec<i16> = description.bearings_deg().collect();
-        let ends = [bearings.first(), bearings.last()].map(|bearing| bearing.copied().unwrap_or(0));
+        let beyond = i16::from(description.sector_deg) * i16::try_from(description.sector_count() / 2).unwrap_or(0);
         Self {
             one_px_m,
             nearest_m,
@@ -46,7 +45,7 @@ impl Derived {
             view_deg,
             ground_from_m: (lowest_ray > 0.0).then_some(if lowest_ray < 90_f64.to_radians() { ground } else { 0.0 }),
             sectors: description.sector_count(),
-            bearings_deg: ends,
+            bearings_deg: [-beyond, beyond],
         }
     }
 }

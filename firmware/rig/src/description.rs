@@ -1,17 +1,15 @@
 //! A rig description, read and checked.
 
-use haarline::obstacle::{MAX_SECTORS, Mounting, Sectors};
+use haarline::obstacle::MAX_SECTORS;
 use haarline::setup::Reach;
 use haarline::wiring::{First, Kind, Skew};
 use haarline::{Config, Offset, Rig, Setup, Wiring};
 
-use crate::RigError;
 use crate::field::Values;
+use crate::{Plan, RigError};
 
 /// Widest view, degrees: beyond, no lens is rectified to a plane.
 const MAX_VIEW_DEG: f64 = 150.0;
-/// Greatest bearing that a border or a middle of a sector is given, degrees.
-const MAX_BEARING_DEG: f64 = 85.0;
 /// Greatest distance that a message can tell, cm.
 const MAX_CM: f64 = 65_533.0;
 
@@ -24,6 +22,10 @@ pub struct Description {
     pub width: u16,
     /// Rows of one view, px.
     pub height: u16,
+    /// Frames a second that a board lets the cameras take.
+    pub frame_rate_hz: u16,
+    /// Integration time that a board sets, lines; 0: the first camera's own control, copied to the second.
+    pub exposure_lines: u16,
     /// How far the right view is displaced, px.
     pub offset: Offset,
     /// Focal length, px.
@@ -64,6 +66,8 @@ impl Description {
             wiring,
             width: values.whole("width"),
             height: values.whole("height"),
+            frame_rate_hz: values.whole("frame_rate_hz"),
+            exposure_lines: values.whole("exposure_lines"),
             offset: Offset { rows: values.whole("row_offset"), columns: values.whole("column_offset") },
             focal_px: values.real("focal_px"),
             baseline_mm: values.real("baseline_mm"),
@@ -146,15 +150,6 @@ impl Description {
         (1..).step_by(2).find(|&count| f64::from(count / 2) >= beside).map_or(1, |count: u16| count.into())
     }
 
-    /// Bearings of the sectors' middles, degrees clockwise from straight ahead.
-    pub fn bearings_deg(&self) -> impl Iterator<Item = i16> + use<> {
-        let step = i16::from(self.sector_deg);
-        (0..self.sector_count()).scan(self.first_deg() - step, move |bearing, _| {
-            *bearing += step;
-            Some(*bearing)
-        })
-    }
-
     fn first_deg(&self) -> i16 {
         let beside = i16::try_from(self.sector_count() / 2).unwrap_or(0);
         -beside * i16::from(self.sector_deg)
@@ -172,49 +167,38 @@ impl Description {
         [f64::from(self.max_disparity()), f64::from(self.min_disparity.max(1))].map(|px| self.depth_mm(px))
     }
 
+    /// The figures as a chip takes them.
+    ///
+    /// # Errors
+    /// If the fields do not go together.
+    pub fn plan(&self) -> Result<Plan, RigError> {
+        self.check()?;
+        let rig = Rig::new(steps(self.focal_px, 256.0), steps(self.baseline_mm, 1000.0));
+        let rig = rig.ok_or_else(|| RigError::from("focal_px, baseline_mm: must be positive".to_owned()))?;
+        Ok(Plan {
+            config: self.config(),
+            height: self.height,
+            wiring: self.wiring,
+            frame_rate_hz: self.frame_rate_hz,
+            exposure_lines: (self.exposure_lines > 0).then_some(self.exposure_lines),
+            offset: self.offset,
+            rig,
+            camera_height_mm: self.camera_height_mm,
+            pitch_deg: narrow(self.pitch_deg),
+            lowest_mm: self.lowest_mm,
+            highest_mm: self.highest_mm,
+            sectors: self.sector_count(),
+            reach: self.reach(),
+        })
+    }
+
     /// What the core works with. `SECTORS` is the capacity, [`Description::sector_count`] or more.
     ///
     /// # Errors
     /// If the fields do not go together, or there are more sectors than `SECTORS`.
     pub fn setup<const SECTORS: usize>(&self) -> Result<Setup<SECTORS>, RigError> {
-        self.check()?;
-        let rig = Rig::new(steps(self.focal_px, 256.0), steps(self.baseline_mm, 1000.0));
-        let rig = rig.ok_or_else(|| RigError::from("focal_px, baseline_mm: must be positive".to_owned()))?;
-        let (sin, cos) = self.pitch_deg.to_radians().sin_cos();
-        let mounting = Mounting {
-            height_mm: self.camera_height_mm,
-            sin_pitch_q14: q14(sin),
-            cos_pitch_q14: q14(cos),
-            lowest_mm: self.lowest_mm,
-            highest_mm: self.highest_mm,
-        };
-        Ok(Setup {
-            config: self.config(),
-            height: self.height,
-            wiring: self.wiring,
-            offset: self.offset,
-            rig,
-            mounting,
-            sectors: self.sectors()?,
-            reach: self.reach(),
-        })
-    }
-
-    fn sectors<const SECTORS: usize>(&self) -> Result<Sectors<SECTORS>, RigError> {
-        let count = self.sector_count();
-        if count > SECTORS {
-            return Err(format!("sector_deg: makes {count} sectors, and there is room for {SECTORS}").into());
-        }
-        let half = f64::from(self.sector_deg) / 2.0;
-        let bearing = |degrees: f64| degrees.clamp(-MAX_BEARING_DEG, MAX_BEARING_DEG).to_radians();
-        let mut sectors = Sectors { count, left_q16: [0; SECTORS], right_q16: 0, secant_q14: [0; SECTORS] };
-        for ((middle, left), secant) in self.bearings_deg().zip(&mut sectors.left_q16).zip(&mut sectors.secant_q14) {
-            let middle = f64::from(middle);
-            *left = q16(bearing(middle - half).tan());
-            *secant = steps(1.0 / bearing(middle).cos(), 16_384.0);
-            sectors.right_q16 = q16(bearing(middle + half).tan());
-        }
-        Ok(sectors)
+        let too_many = || format!("sector_deg: makes {} sectors, and there is room for {SECTORS}", self.sector_count());
+        self.plan()?.setup().ok_or_else(|| too_many().into())
     }
 
     fn reach(&self) -> Reach {
@@ -234,14 +218,9 @@ fn steps(value: f64, scale: f64) -> u32 {
     (value * scale).round() as u32
 }
 
-#[expect(clippy::cast_possible_truncation, reason = "a sine or cosine")]
-fn q14(value: f64) -> i16 {
-    (value * 16_384.0).round() as i16
-}
-
-#[expect(clippy::cast_possible_truncation, reason = "a tangent of at most 85 degrees")]
-fn q16(value: f64) -> i32 {
-    (value * 65_536.0).round() as i32
+#[expect(clippy::cast_possible_truncation, reason = "an angle, of which the last digits do not matter")]
+fn narrow(value: f64) -> f32 {
+    value as f32
 }
 
 #[cfg(test)]
@@ -280,6 +259,8 @@ mod tests {
             ("skew", "1", "one of \"none\", \"left\", \"right\""),
             ("width", "31", "a whole number, 32 to 1280 px"),
             ("height", "4097", "a whole number, 8 to 4096 px"),
+            ("frame_rate_hz", "0", "a whole number, 1 to 120 1/s"),
+            ("exposure_lines", "-1", "a whole number, 0 to 65535 lines"),
             ("row_offset", "-17", "a whole number, -16 to 16 px"),
             ("column_offset", "129", "a whole number, -128 to 128 px"),
             ("focal_px", "nan", "10 to 10000 px"),
@@ -315,9 +296,18 @@ mod tests {
         let short: String = template()
             .lines()
             .filter(|line| {
-                !["first", "skew", "row_offset", "column_offset", "min_disparity", "sector_deg"]
-                    .iter()
-                    .any(|name| line.starts_with(&format!("{name} =")))
+                ![
+                    "first",
+                    "skew",
+                    "frame_rate_hz",
+                    "exposure_lines",
+                    "row_offset",
+                    "column_offset",
+                    "min_disparity",
+                    "sector_deg",
+                ]
+                .iter()
+                .any(|name| line.starts_with(&format!("{name} =")))
             })
             .flat_map(|line| [line, "\n"])
             .collect();
@@ -343,7 +333,7 @@ mod tests {
     #[test]
     fn sectors_cover_the_view_with_the_middle_one_ahead() {
         let description = parse(&[]).unwrap();
-        let bearings: Vec<i16> = description.bearings_deg().collect();
+        let bearings: Vec<i16> = description.plan().unwrap().bearings_deg().collect();
         assert_eq!((bearings.len(), bearings[0], bearings[8], bearings[16]), (17, -40, 0, 40));
         let setup = description.setup::<72>().unwrap();
         assert_eq!((setup.sectors.count, setup.sectors.secant_q14[8]), (17, 1 << 14));

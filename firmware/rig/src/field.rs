@@ -43,12 +43,14 @@ use Range::{Real, Whole, Words};
 
 /// All of them, in the order of the template.
 #[rustfmt::skip]
-pub(crate) const FIELDS: [Field; 16] = [
+pub(crate) const FIELDS: [Field; 18] = [
     field("wiring", "how the two cameras share the port", Words(&["pixel", "line", "side-by-side", "nibble", "pairs16"]), "", "\"pixel\"", false),
     field("first", "the camera that comes first: in time, in the left half, on the low data lines", Words(&["left", "right"]), "", "\"left\"", true),
     field("skew", "the camera whose pixels come one late; with wiring = \"pixel\" only", Words(&["none", "left", "right"]), "", "\"none\"", true),
     field("width", "columns of one view", Whole(32, 1280), "px", "320", false),
     field("height", "rows of one view", Whole(8, 4096), "px", "240", false),
+    field("frame_rate_hz", "frames that a board lets the cameras take", Whole(1, 120), "1/s", "5", true),
+    field("exposure_lines", "integration time that a board sets in both cameras; 0: the first one's own control, copied to the second", Whole(0, 65_535), "lines", "0", true),
     field("row_offset", "what the left view shows in a row, the right one shows so many rows lower", Whole(-16, 16), "px", "0", true),
     field("column_offset", "the right view shows everything so many columns too far right", Whole(-128, 128), "px", "0", true),
     field("focal_px", "focal length of the rectified views", Real(10.0, 10_000.0), "px", "200.0", false),

@@ -1,34 +1,26 @@
 //! Rig descriptions: what a user writes down of a pair of cameras in `rig.toml`, checked, and turned into
 //! the integers that the core works with.
 //!
-//! The host reads descriptions while it runs, firmware when it is built ([`Description::to_rust`]); both
-//! have the same numbers then, and no angle is computed on the chip.
+//! The host reads descriptions while it runs. Firmware has the figures of one as a constant
+//! ([`Description::to_rust`]), and works the angles out at start-up as the host does, by the same few float
+//! operations ([`Plan::setup`]): both have the same numbers then, to the last bit.
+#![cfg_attr(not(feature = "description"), no_std)]
 
+mod angle;
+mod plan;
+
+#[cfg(feature = "description")]
 mod derived;
+#[cfg(feature = "description")]
 mod description;
+#[cfg(feature = "description")]
+mod error;
+#[cfg(feature = "description")]
 mod field;
+#[cfg(feature = "description")]
 mod rust;
 
-use std::fmt;
+pub use plan::Plan;
 
-pub use derived::Derived;
-pub use description::Description;
-pub use field::template;
-
-/// Why a description is refused, and what would be right, in one line.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct RigError(String);
-
-impl fmt::Display for RigError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.0)
-    }
-}
-
-impl std::error::Error for RigError {}
-
-impl From<String> for RigError {
-    fn from(words: String) -> Self {
-        Self(words)
-    }
-}
+#[cfg(feature = "description")]
+pub use {derived::Derived, description::Description, error::RigError, field::template};

@@ -1,48 +1,55 @@
-//! A description as Rust constants, for firmware's `build.rs`.
+//! A description as a Rust constant, for firmware's `build.rs`.
 
-use haarline::Setup;
-use haarline::obstacle::MAX_SECTORS;
-
-use crate::{Description, RigError};
+use crate::{Description, Plan, RigError};
 
 impl Description {
-    /// The source of two constants: `SECTORS`, the number of sectors, and `SETUP`, a
-    /// [`haarline::Setup`] of as many.
+    /// The source of a constant: `PLAN`, a [`Plan`].
     ///
     /// # Errors
-    /// As [`Description::setup`].
+    /// As [`Description::plan`].
     pub fn to_rust(&self) -> Result<String, RigError> {
-        let Setup { config, height, wiring, offset, rig, mounting, sectors, reach } = self.setup::<MAX_SECTORS>()?;
-        let used = |list: &[u32]| list.iter().take(sectors.count).map(u32::to_string).collect::<Vec<_>>().join(", ");
-        let left = sectors.left_q16.iter().take(sectors.count).map(i32::to_string).collect::<Vec<_>>().join(", ");
+        let Plan {
+            config,
+            height,
+            wiring,
+            frame_rate_hz,
+            exposure_lines,
+            offset,
+            rig,
+            camera_height_mm,
+            pitch_deg,
+            lowest_mm,
+            highest_mm,
+            sectors,
+            reach,
+        } = self.plan()?;
         // What derives `Debug` and has public fields prints itself as an expression, if its types are in scope.
         Ok(format!(
-            "/// Bearing sectors of the rig.\n\
-             pub const SECTORS: usize = {count};\n\
-             /// The rig that this program was built for.\n\
-             pub const SETUP: haarline::Setup<SECTORS> = {{\n    \
-             use haarline::obstacle::{{Mounting, Sectors}};\n    \
+            "/// The rig that this program was built for.\n\
+             pub const PLAN: haarline_rig::Plan = {{\n    \
              use haarline::setup::Reach;\n    \
              use haarline::wiring::{{First, Kind, Skew}};\n    \
-             use haarline::{{Config, Offset, Rig, Setup, Wiring}};\n    \
-             Setup {{\n        \
+             use haarline::{{Config, Offset, Rig, Wiring}};\n    \
+             haarline_rig::Plan {{\n        \
              config: {config:?},\n        \
              height: {height},\n        \
              wiring: Wiring {{ kind: Kind::{kind:?}, first: First::{first:?}, skew: Skew::{skew:?} }},\n        \
+             frame_rate_hz: {frame_rate_hz},\n        \
+             exposure_lines: {exposure_lines:?},\n        \
              offset: {offset:?},\n        \
              rig: Rig::new({focal}, {baseline}).unwrap(),\n        \
-             mounting: {mounting:?},\n        \
-             sectors: Sectors {{ count: {count}, left_q16: [{left}], right_q16: {right}, secant_q14: [{secants}] }},\n        \
+             camera_height_mm: {camera_height_mm},\n        \
+             pitch_deg: {pitch_deg:?},\n        \
+             lowest_mm: {lowest_mm},\n        \
+             highest_mm: {highest_mm},\n        \
+             sectors: {sectors},\n        \
              reach: {reach:?},\n    \
              }}\n}};\n",
-            count = sectors.count,
             kind = wiring.kind,
             first = wiring.first,
             skew = wiring.skew,
             focal = rig.focal_px_q8(),
             baseline = rig.baseline_um(),
-            right = sectors.right_q16,
-            secants = used(&sectors.secant_q14),
         ))
     }
 }
@@ -53,18 +60,19 @@ mod tests {
     use crate::template;
 
     #[test]
-    fn the_source_holds_the_setups_numbers() {
+    fn the_source_holds_the_plans_figures() {
         let description = Description::parse(&template()).unwrap();
-        let (source, setup) = (description.to_rust().unwrap(), description.setup::<17>().unwrap());
+        let (source, plan) = (description.to_rust().unwrap(), description.plan().unwrap());
         let wanted = [
-            "pub const SECTORS: usize = 17;".to_owned(),
-            format!("config: {:?},", setup.config),
-            format!("offset: {:?},", setup.offset),
-            format!("mounting: {:?},", setup.mounting),
-            format!("sectors: {:?},", setup.sectors),
-            format!("reach: {:?},", setup.reach),
+            format!("config: {:?},", plan.config),
+            format!("offset: {:?},", plan.offset),
+            format!("reach: {:?},", plan.reach),
             "rig: Rig::new(51200, 60000).unwrap(),".to_owned(),
             "kind: Kind::PixelInterleaved, first: First::Left, skew: Skew::None".to_owned(),
+            "frame_rate_hz: 5,".to_owned(),
+            "exposure_lines: None,".to_owned(),
+            "pitch_deg: 0.0,".to_owned(),
+            "sectors: 17,".to_owned(),
         ];
         for words in wanted {
             assert!(source.contains(&words), "no {words} in {source}");

@@ -6,10 +6,10 @@
 //!
 //! ```
 //! use haarline::setup::Reach;
-//! use haarline_telemetry::Link;
+//! use haarline_telemetry::{Link, State};
 //! let reach = Reach { sector_deg: 5, first_deg: -5, nearest_cm: 25, farthest_cm: 1200 };
 //! let mut link = Link::new(1);
-//! assert_eq!(link.heartbeat().as_bytes().len(), 21);
+//! assert_eq!(link.heartbeat(State::Active).as_bytes().len(), 21);
 //! let message = link.obstacle_distance(0, &reach, [None, Some(1507), None]);
 //! assert!(message.as_bytes().len() <= haarline_telemetry::MAX_BYTES);
 //! ```
@@ -27,6 +27,17 @@ pub const UNKNOWN_CM: u16 = u16::MAX;
 pub const MAX_BYTES: usize = 10 + OBSTACLE_DISTANCE_DATA::ENCODED_LEN + 2;
 /// The component that messages come from: `MAV_COMP_ID_OBSTACLE_AVOIDANCE`.
 pub const COMPONENT: u8 = 196;
+
+/// How the sender does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum State {
+    /// No frame came yet: `MAV_STATE_BOOT`.
+    Starting,
+    /// Frames come and are worked on: `MAV_STATE_ACTIVE`.
+    Active,
+    /// No frame came out since the last heartbeat: `MAV_STATE_CRITICAL`.
+    Blind,
+}
 
 /// A message, ready to be sent.
 #[derive(Debug, Clone)]
@@ -54,14 +65,18 @@ impl Link {
         Self { system, sequence: 0 }
     }
 
-    /// `HEARTBEAT` of a running companion computer: to be sent once a second.
-    pub fn heartbeat(&mut self) -> Message {
+    /// `HEARTBEAT` of a companion computer: to be sent once a second.
+    pub fn heartbeat(&mut self, state: State) -> Message {
         self.message(&HEARTBEAT_DATA {
             custom_mode: 0,
             mavtype: MavType::MAV_TYPE_ONBOARD_CONTROLLER,
             autopilot: MavAutopilot::MAV_AUTOPILOT_INVALID,
             base_mode: MavModeFlag::empty(),
-            system_status: MavState::MAV_STATE_ACTIVE,
+            system_status: match state {
+                State::Starting => MavState::MAV_STATE_BOOT,
+                State::Active => MavState::MAV_STATE_ACTIVE,
+                State::Blind => MavState::MAV_STATE_CRITICAL,
+            },
             mavlink_version: 3,
         })
     }
@@ -133,7 +148,7 @@ mod tests {
         let mut link = Link::new(3);
         for sequence in 0..=256_u16 {
             let message = if sequence % 2 == 0 {
-                link.heartbeat()
+                link.heartbeat(State::Active)
             } else {
                 link.obstacle_distance(u64::MAX, &REACH, [Some(9); 99])
             };

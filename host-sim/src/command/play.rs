@@ -45,7 +45,7 @@ pub(super) struct Args {
     #[command(flatten)]
     rig: RigArg,
     /// Writes what a board would send to an autopilot: MAVLink 2, HEARTBEAT each second and OBSTACLE_DISTANCE of
-    /// each frame, as if there were 30 a second; needs --rig
+    /// each frame, as if they came at the rig's frame rate; needs --rig
     #[arg(long, value_name = "FILE", requires = "rig")]
     mavlink: Option<PathBuf>,
     /// Only these frames, counted from 0 in the order of their names: A..B without B, A.. or ..B

@@ -68,10 +68,15 @@ fn to_text(rig: &Description, derived: &Derived) -> String {
 
 fn rows(rig: &Description) -> Vec<(String, String)> {
     let skew = rig.wiring.skew.name();
+    let exposure = match rig.exposure_lines {
+        0 => "exposed as the first camera thinks right".to_owned(),
+        lines => format!("exposed for {lines} lines"),
+    };
     let wiring = format!("{}, {} first, skew {skew}", rig.wiring.kind.name(), rig.wiring.first.name());
     [
         ("wiring", wiring),
         ("size of a view", format!("{} x {} px", rig.width, rig.height)),
+        ("frame rate on a board", format!("{} a second, {exposure}", rig.frame_rate_hz)),
         ("right view displaced by", format!("{} rows, {} columns", rig.offset.rows, rig.offset.columns)),
         ("focal length", format!("{} px", rig.focal_px)),
         ("baseline", format!("{} mm", rig.baseline_mm)),
@@ -109,6 +114,8 @@ fn to_json(rig: &Description, derived: &Derived) -> String {
         "skew": rig.wiring.skew.name(),
         "width": rig.width,
         "height": rig.height,
+        "frame_rate_hz": rig.frame_rate_hz,
+        "exposure_lines": rig.exposure_lines,
         "row_offset": rig.offset.rows,
         "column_offset": rig.offset.columns,
         "focal_px": rig.focal_px,
