@@ -24,7 +24,6 @@ fn main() {
         println!("cargo:rustc-link-arg-bin={program}=-Tlink.x");
         println!("cargo:rustc-link-arg-bin={program}=-Tdefmt.x");
     }
-    fs::write(out.join("settings.rs"), settings()).expect("OUT_DIR can be written");
 
     // The emulated machines: a linker script of their own, and what defmt needs.
     let machine = package.join("memory/mps2.x");
@@ -51,50 +50,4 @@ fn rig(package: &Path) -> String {
     };
     let source = haarline_rig::Description::parse(&text).and_then(|description| description.to_rust());
     source.unwrap_or_else(|error| panic!("HAARLINE_RIG {name}: {error}"))
-}
-
-/// What the board's program is built for: environment variables, or what is usual.
-fn settings() -> String {
-    let get = |name: &str, usual: &str| {
-        println!("cargo:rerun-if-env-changed={name}");
-        env::var(name).unwrap_or_else(|_| usual.to_owned())
-    };
-    let number = |name: &str, usual: &str| -> i16 {
-        let text = get(name, usual);
-        text.parse().unwrap_or_else(|_| panic!("{name}: {text:?} is no number"))
-    };
-    let size = get("HAARLINE_SIZE", "320x240");
-    let (width, height) = size
-        .split_once('x')
-        .and_then(|(width, height)| Some((width.parse::<u16>().ok()?, height.parse::<u32>().ok()?)))
-        .unwrap_or_else(|| panic!("HAARLINE_SIZE: {size:?} must be as 320x240"));
-    let first = match get("HAARLINE_FIRST", "left").as_str() {
-        "left" => "Left",
-        "right" => "Right",
-        other => panic!("HAARLINE_FIRST: {other:?} must be left or right"),
-    };
-    let method = match get("HAARLINE_METHOD", "full").as_str() {
-        "full" => "Full",
-        "lite" => "Lite",
-        other => panic!("HAARLINE_METHOD: {other:?} must be full or lite"),
-    };
-    let integration = match get("HAARLINE_EXPOSURE", "auto").as_str() {
-        "auto" => "None".to_owned(),
-        lines => format!("Some({})", lines.parse::<u16>().expect("HAARLINE_EXPOSURE: must be auto or lines, 2 to 258")),
-    };
-    let rate = number("HAARLINE_FRAME_RATE", "5");
-    let (min, num) = (number("HAARLINE_MIN_DISPARITY", "0"), number("HAARLINE_NUM_DISPARITIES", "64"));
-    format!(
-        "/// Columns of a view.\npub const WIDTH: u16 = {width};
-/// Rows of a view.\npub const HEIGHT: u32 = {height};
-/// First disparity searched, px.\npub const MIN_DISPARITY: i16 = {min};
-/// Disparities searched.\npub const NUM_DISPARITIES: u16 = {num};
-/// Frames a second.\npub const FRAME_RATE: u32 = {rate};
-/// The sensor that the multiplexer takes first.\npub const FIRST: First = First::{first};
-/// Integration time of both sensors, lines; `None`: the first one's own control, copied to the second.
-pub const INTEGRATION: Option<u16> = {integration};
-/// The stereo method.\npub const METHOD: Method = Method::{method};
-/// A stereo method.\n#[derive(Debug, Clone, Copy, PartialEq, Eq)]\npub enum Method {{
-    /// The most accurate.\n    Full,\n    /// The cheapest.\n    Lite,\n}}\n"
-    )
 }

@@ -18,7 +18,7 @@ from pathlib import Path
 SCENE, LOW_SCENE = "teddy", "kitti15_000003"
 TAKE, TAKE_ROWS = "db1_forward_take01", 96
 WIRINGS = ["pixel", "line", "side-by-side", "nibble", "pairs16"]
-CLEAN = {"dropped_frames": 0, "dropped_rows": 0, "long": 0, "overruns": 0, "short": 0, "stalled": 0}
+CLEAN = {"dma_errors": 0, "dropped_frames": 0, "dropped_rows": 0, "long": 0, "overruns": 0, "short": 0, "stalled": 0}
 # What each fault in the middle of frame 1 of four must leave in the counters, and which frames may differ. None: how
 # many rows of a burst come too soon depends on the method's speed.
 FAULTS = {

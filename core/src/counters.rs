@@ -21,18 +21,30 @@ pub struct Counters {
     pub long: u32,
     /// Times that no line came for so long that the camera's clock must have stood still.
     pub stalled: u32,
+    /// Times that DMA failed and was started anew; the frame ends there.
+    pub dma_errors: u32,
 }
 
 impl Counters {
     /// Nothing happened yet.
-    pub const ZERO: Self =
-        Self { frames: 0, rows: 0, dropped_rows: 0, dropped_frames: 0, overruns: 0, short: 0, long: 0, stalled: 0 };
+    pub const ZERO: Self = Self {
+        frames: 0,
+        rows: 0,
+        dropped_rows: 0,
+        dropped_frames: 0,
+        overruns: 0,
+        short: 0,
+        long: 0,
+        stalled: 0,
+        dma_errors: 0,
+    };
 
     /// Whether every frame begun so far went through without a fault.
     #[must_use]
     pub const fn is_clean(&self) -> bool {
-        let Self { frames: _, rows: _, dropped_rows, dropped_frames, overruns, short, long, stalled } = *self;
-        dropped_rows | dropped_frames | overruns | short | long | stalled == 0
+        let Self { frames: _, rows: _, dropped_rows, dropped_frames, overruns, short, long, stalled, dma_errors } =
+            *self;
+        dropped_rows | dropped_frames | overruns | short | long | stalled | dma_errors == 0
     }
 }
 
@@ -44,6 +56,7 @@ mod tests {
     fn what_went_through_is_clean_and_any_fault_is_not() {
         assert!(Counters { frames: 3, rows: 720, ..Counters::ZERO }.is_clean());
         assert!(!Counters { stalled: 1, ..Counters::ZERO }.is_clean());
+        assert!(!Counters { dma_errors: 1, ..Counters::ZERO }.is_clean());
         assert!(!Counters { dropped_rows: 2, ..Counters::ZERO }.is_clean());
         assert_eq!(Counters::default(), Counters::ZERO);
     }

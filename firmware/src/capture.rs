@@ -1,45 +1,61 @@
 //! The capture task: what the camera delivers goes into the ring, or is dropped and counted.
 
 use embassy_futures::yield_now;
-use embassy_time::{Duration, with_timeout};
+use embassy_time::{Duration, Instant, with_timeout};
 use haarline::framing::{CameraEvent, Framing, Place, Step};
 
 use crate::edge::{RowSource, SourceEvent};
 use crate::ring::{MAX_RAW, RawKind, RawRow, SharedCounters, To};
 
-/// A camera that delivers nothing for so long is silent: three frames at 30 a second.
-pub const SILENCE: Duration = Duration::from_millis(100);
+/// How long a camera may deliver nothing until it counts as silent.
+#[derive(Debug, Clone, Copy)]
+pub struct Patience {
+    /// Between two rows of a frame.
+    pub within: Duration,
+    /// Between two frames.
+    pub between: Duration,
+}
 
-/// Before its first frame it has more time: sensors are set up first.
+/// Before its first frame a camera has more time: sensors are set up first.
 const FIRST_SILENCE: Duration = Duration::from_secs(1);
 
 /// Takes the camera's events until it has no more, and hands the rows over. It waits for the camera
 /// only: without room in the ring rows are dropped by the policy of [`haarline::framing`].
 ///
-/// - `raw_len`: bytes of a whole row; `height`: rows of a whole frame.
+/// - `patience`: when the camera counts as silent; `raw_len`: bytes of a whole row; `height`: rows of a whole frame.
 pub async fn capture(
     mut source: impl RowSource,
     mut ring: To<RawRow>,
     counters: &SharedCounters,
+    patience: Patience,
     raw_len: usize,
     height: u32,
 ) {
     let mut framing = Framing::new(height);
     // Where a row goes while the ring is full: whether there is room counts when it is there.
     let mut spare = [0; MAX_RAW];
+    let mut begun_us = 0;
     loop {
-        let silence = if framing.counters().frames == 0 { FIRST_SILENCE } else { SILENCE };
+        let silence = match framing.counters().frames {
+            0 => FIRST_SILENCE,
+            _ if framing.is_under_way() => patience.within,
+            _ => patience.between,
+        };
         let (event, is_spare) = match ring.try_send() {
             Some(slot) => (with_timeout(silence, source.next(&mut slot.bytes)).await, false),
             None => (with_timeout(silence, source.next(&mut spare)).await, true),
         };
         let event = match event {
             Ok(SourceEvent::Over) => break,
-            Ok(SourceEvent::Start) => CameraEvent::Start,
+            Ok(SourceEvent::Start) => {
+                begun_us = Instant::now().as_micros();
+                CameraEvent::Start
+            }
             Ok(SourceEvent::Row(len)) => CameraEvent::Row { is_whole: len == raw_len },
             Ok(SourceEvent::Lost) => CameraEvent::Lost,
             Ok(SourceEvent::End) => CameraEvent::End,
             Ok(SourceEvent::Overrun) => CameraEvent::Overrun,
+            Ok(SourceEvent::DmaError) => CameraEvent::DmaError,
             Err(_) => CameraEvent::Silence,
         };
         let before = *framing.counters();
@@ -47,12 +63,15 @@ pub async fn capture(
         counters.update(framing.counters());
         if framing.counters().overruns != before.overruns {
             defmt::warn!("camera: overrun, resuming at the next frame");
+        } else if framing.counters().dma_errors != before.dma_errors {
+            defmt::warn!("camera: DMA failed, resuming at the next frame");
         } else if framing.counters().stalled != before.stalled {
             defmt::warn!("camera: silent");
         }
         if let Some(slot) = ring.try_send()
             && place(slot, step, raw_len)
         {
+            slot.begun_us = begun_us;
             if let (true, Some(to), Some(from)) = (is_spare, slot.bytes.get_mut(..raw_len), spare.get(..raw_len)) {
                 to.copy_from_slice(from);
             }

@@ -16,6 +16,8 @@ pub enum SourceEvent {
     End,
     /// Bytes came faster than they were taken.
     Overrun,
+    /// DMA failed, and was started anew.
+    DmaError,
     /// There will be no more frames. A camera never says so.
     Over,
 }

@@ -1,7 +1,7 @@
 //! The sensor HM01B0 by its registers, whatever bus they are behind.
 //!
 //! Names are those of the datasheet. The settings: the window of 324x244 px, a frame for each pulse on
-//! the trigger pin, 8 bits, binning and motion detection off.
+//! the trigger pin, 4 or 8 data lines, binning and motion detection off.
 
 /// The sensor's address on I2C; it has only this one, so two sensors need two buses.
 pub const ADDRESS: u8 = 0x24;
@@ -24,6 +24,8 @@ const LINE_LENGTH_PCK_H: u16 = 0x0342;
 const LINE_LENGTH_PCK_L: u16 = 0x0343;
 const BINNING_MODE: u16 = 0x0390;
 const AE_CTRL: u16 = 0x2100;
+const MAX_INTG_H: u16 = 0x2105;
+const MAX_INTG_L: u16 = 0x2106;
 const QVGA_WIN_EN: u16 = 0x3010;
 const BIT_CONTROL: u16 = 0x3059;
 const OSC_CLK_DIV: u16 = 0x3060;
@@ -31,10 +33,10 @@ const OSC_CLK_DIV: u16 = 0x3060;
 const MODEL: u16 = 0x01B0;
 /// `MODE_SELECT`: a frame for each pulse on the trigger pin.
 const HARDWARE_TRIGGER: u8 = 0x05;
-/// `BIT_CONTROL`: a pixel on eight lines.
-const EIGHT_BITS: u8 = 0x02;
-/// `OSC_CLK_DIV`: pixels at an eighth of the master clock.
-const EIGHTH: u8 = 0x08;
+/// `OSC_CLK_DIV`: registers at the master clock.
+const REGISTERS_WHOLE: u8 = 0b10 << 2;
+/// `OSC_CLK_DIV`: of a pixel in several parts the high one comes first.
+const MSB_FIRST: u8 = 1 << 4;
 
 /// The registers that hold an exposure, in the order in which they are copied.
 const EXPOSURE: [u16; 5] = [INTEGRATION_H, INTEGRATION_L, ANALOG_GAIN, DIGITAL_GAIN_H, DIGITAL_GAIN_L];
@@ -73,13 +75,83 @@ impl<E> From<E> for SensorError<E> {
     }
 }
 
+/// Data lines that are in use.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Lines {
+    /// D0 to D7: a pixel a clock.
+    Eight,
+    /// D0 to D3: a pixel in two clocks, its high half first.
+    Four,
+}
+
+impl Lines {
+    /// `BIT_CONTROL`.
+    const fn register(self) -> u8 {
+        match self {
+            Self::Eight => 0x02,
+            Self::Four => 0x42,
+        }
+    }
+}
+
+/// The pixel clock, as a part of the master clock.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Clock {
+    /// All of it.
+    Whole,
+    /// Every second one.
+    Half,
+    /// Every fourth one.
+    Quarter,
+    /// Every eighth one.
+    Eighth,
+}
+
+impl Clock {
+    /// Master clocks in one of the pixels'.
+    #[must_use]
+    pub const fn divisor(self) -> u32 {
+        match self {
+            Self::Whole => 1,
+            Self::Half => 2,
+            Self::Quarter => 4,
+            Self::Eighth => 8,
+        }
+    }
+
+    /// `OSC_CLK_DIV`, its lowest bits.
+    const fn register(self) -> u8 {
+        match self {
+            Self::Whole => 0b11,
+            Self::Half => 0b10,
+            Self::Quarter => 0b01,
+            Self::Eighth => 0b00,
+        }
+    }
+}
+
 /// How a sensor is set up.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Settings {
+    /// Data lines in use.
+    pub lines: Lines,
+    /// The pixel clock.
+    pub clock: Clock,
     /// Length of a line with its blanking, pixel clocks, 376 or more.
     pub line_length: u16,
-    /// Integration time, lines; `None` for the sensor's own control.
-    pub integration: Option<u16>,
+    /// Who controls the exposure.
+    pub exposure: Exposure,
+}
+
+/// Who controls a sensor's exposure.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Exposure {
+    /// The sensor itself.
+    Own,
+    /// Nobody: an integration time of that many lines.
+    Fixed(u16),
+    /// Another sensor, whose exposure is copied by [`ExposureCopy`].
+    Copied,
 }
 
 /// Lines of a frame with its blanking, in the window.
@@ -97,21 +169,25 @@ pub fn set_up<R: Registers>(sensor: &mut R, settings: Settings) -> Result<(), Se
     sensor.write(SW_RESET, 0)?;
     let [line_h, line_l] = settings.line_length.to_be_bytes();
     let [frame_h, frame_l] = FRAME_LENGTH.to_be_bytes();
+    // With a longer integration it leaves frames out.
+    let [longest_h, longest_l] = (FRAME_LENGTH - 2).to_be_bytes();
     let registers = [
-        (BIT_CONTROL, EIGHT_BITS),
-        (OSC_CLK_DIV, EIGHTH),
+        (BIT_CONTROL, settings.lines.register()),
+        (OSC_CLK_DIV, MSB_FIRST | REGISTERS_WHOLE | settings.clock.register()),
         (QVGA_WIN_EN, 1),
         (BINNING_MODE, 0),
         (LINE_LENGTH_PCK_H, line_h),
         (LINE_LENGTH_PCK_L, line_l),
         (FRAME_LENGTH_LINES_H, frame_h),
         (FRAME_LENGTH_LINES_L, frame_l),
-        (AE_CTRL, u8::from(settings.integration.is_none())),
+        (MAX_INTG_H, longest_h),
+        (MAX_INTG_L, longest_l),
+        (AE_CTRL, u8::from(settings.exposure == Exposure::Own)),
     ];
     for (register, value) in registers {
         sensor.write(register, value)?;
     }
-    if let Some(lines) = settings.integration {
+    if let Exposure::Fixed(lines) = settings.exposure {
         let [high, low] = lines.to_be_bytes();
         sensor.write(INTEGRATION_H, high)?;
         sensor.write(INTEGRATION_L, low)?;
@@ -191,7 +267,8 @@ mod tests {
         }
     }
 
-    const SETTINGS: Settings = Settings { line_length: 500, integration: Some(0x0102) };
+    const SETTINGS: Settings =
+        Settings { lines: Lines::Four, clock: Clock::Quarter, line_length: 500, exposure: Exposure::Fixed(0x0102) };
 
     #[test]
     fn the_trigger_is_armed_last_and_only_if_every_register_was_taken() {
@@ -201,10 +278,20 @@ mod tests {
         assert_eq!(whole.registers[&MODE_SELECT], HARDWARE_TRIGGER);
         assert_eq!([INTEGRATION_H, INTEGRATION_L, AE_CTRL].map(|r| whole.registers[&r]), [1, 2, 0]);
         assert_eq!([LINE_LENGTH_PCK_H, LINE_LENGTH_PCK_L].map(|r| whole.registers[&r]), [1, 0xF4]);
+        assert_eq!([BIT_CONTROL, OSC_CLK_DIV].map(|r| whole.registers[&r]), [0x42, 0b1_1001]);
         for answers in 0..accesses {
             let mut sensor = Fake::sensor(answers);
             assert_eq!(set_up(&mut sensor, SETTINGS), Err(SensorError::Silent(())));
             assert!(!sensor.registers.contains_key(&MODE_SELECT), "armed after {answers} accesses");
+        }
+    }
+
+    #[test]
+    fn only_a_sensor_that_nobody_else_controls_controls_its_exposure() {
+        for (exposure, control) in [(Exposure::Own, 1), (Exposure::Fixed(9), 0), (Exposure::Copied, 0)] {
+            let mut sensor = Fake::sensor(usize::MAX);
+            assert_eq!(set_up(&mut sensor, Settings { exposure, ..SETTINGS }), Ok(()));
+            assert_eq!(sensor.registers[&AE_CTRL], control, "{exposure:?}");
         }
     }
 

@@ -41,6 +41,8 @@ pub struct RawRow {
     pub kind: RawKind,
     /// Where it belongs.
     pub place: Place,
+    /// When its frame began, us after the start.
+    pub begun_us: u64,
     /// Bytes of it that count.
     pub len: usize,
     /// The camera's bytes.
@@ -49,7 +51,8 @@ pub struct RawRow {
 
 impl RawRow {
     /// Nothing yet: all bits zero, so that a ring of it takes no flash.
-    pub const EMPTY: Self = Self { kind: RawKind::Row, place: Place { frame: 0, row: 0 }, len: 0, bytes: [0; MAX_RAW] };
+    pub const EMPTY: Self =
+        Self { kind: RawKind::Row, place: Place { frame: 0, row: 0 }, begun_us: 0, len: 0, bytes: [0; MAX_RAW] };
 }
 
 /// What vision tells results.

@@ -7,7 +7,7 @@
 //!
 //! A row comes back exactly, whatever is in it. Equal neighbours are sent once ([`Coding::Runs`]); a row
 //! in which that does not pay is sent as it is, so that no packet is longer than [`max_bytes`]
-//! tells: 1030 bytes for 320 px. A row of 320 px of a real scene is about 200 bytes from `lite` and
+//! tells: 1035 bytes for 320 px. A row of 320 px of a real scene is about 200 bytes from `lite` and
 //! `full` and takes a Cortex-M4 about 14 000 instructions; one of `block` is 410 to 520 bytes.
 //!
 //! ```
@@ -40,9 +40,9 @@ mod stuffing;
 static CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 /// Bytes of the checksum, little-endian at the end.
 const CRC_BYTES: usize = 4;
-/// Bytes of the longest header: sequence, frame, eight counters and `y` of up to 5 bytes each, the width
+/// Bytes of the longest header: sequence, frame, nine counters and `y` of up to 5 bytes each, the width
 /// of up to 3, kind and coding of 1 each.
-const MAX_HEADER: usize = (1 + 1 + 8 + 1) * 5 + 3 + 1 + 1;
+const MAX_HEADER: usize = (1 + 1 + 9 + 1) * 5 + 3 + 1 + 1;
 
 /// Bytes of the longest packet for rows of `width` px, its final zero included: the room an [`Encoder`]
 /// needs.

@@ -300,9 +300,8 @@ impl RowSource for Camera {
                 PortEvent::End => return SourceEvent::End,
                 PortEvent::Overrun => return SourceEvent::Overrun,
                 PortEvent::DmaError => {
-                    defmt::warn!("camera: DMA failed, starting it again");
                     self.restart();
-                    return SourceEvent::Overrun;
+                    return SourceEvent::DmaError;
                 }
             }
         }

@@ -8,7 +8,8 @@ use embassy_stm32::timer::simple_pwm::SimplePwm;
 use embassy_time::{Duration, Timer};
 
 use super::settings;
-use crate::hm01b0::{self, ADDRESS, ExposureCopy, Registers, SensorError};
+use crate::hm01b0::{self, ADDRESS, Exposure, ExposureCopy, Registers, SensorError};
+use crate::rig::PLAN;
 
 /// Between two tries to reach a sensor.
 const RETRY: Duration = Duration::from_millis(100);
@@ -39,8 +40,12 @@ impl Registers for Bus {
 /// as the first does.
 pub async fn run(mut buses: [Bus; 2], mut trigger: SimplePwm<'static, TIM3>) {
     let line_length = u16::try_from(settings::LINE_LENGTH).unwrap_or(u16::MAX);
-    let settings = hm01b0::Settings { line_length, integration: settings::INTEGRATION };
-    for (number, bus) in (1_u8..).zip(&mut buses) {
+    let exposures = match PLAN.exposure_lines {
+        Some(lines) => [Exposure::Fixed(lines); 2],
+        None => [Exposure::Own, Exposure::Copied],
+    };
+    for ((number, bus), exposure) in (1_u8..).zip(&mut buses).zip(exposures) {
+        let settings = hm01b0::Settings { lines: settings::LINES, clock: settings::CLOCK, line_length, exposure };
         let mut tries: u32 = 0;
         while let Err(error) = hm01b0::set_up(bus, settings) {
             if tries.is_multiple_of(TRIES) {
@@ -54,7 +59,7 @@ pub async fn run(mut buses: [Bus; 2], mut trigger: SimplePwm<'static, TIM3>) {
     // Long pulses: the sensors look at the edge.
     trigger.ch1().set_duty_cycle_percent(10);
     trigger.ch1().enable();
-    if settings::INTEGRATION.is_some() {
+    if PLAN.exposure_lines.is_some() {
         core::future::pending::<()>().await;
     }
     let [first, second] = &mut buses;

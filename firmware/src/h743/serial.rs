@@ -5,19 +5,16 @@ use embassy_stm32::usart::{Error, UartTx};
 
 use crate::edge::PacketSink;
 
-/// Bytes that one transfer takes.
-pub const CHUNK: usize = 1088;
-
 /// A port and the memory that DMA fetches its bytes from.
 pub struct Serial {
     port: UartTx<'static, Async>,
-    chunk: &'static mut [u8; CHUNK],
+    chunk: &'static mut [u8],
 }
 
 impl Serial {
-    /// Sends through `port`; `chunk` lies where DMA reaches it.
+    /// Sends through `port`; `chunk`, of which each transfer takes what fits, lies where DMA reaches it.
     #[must_use]
-    pub const fn new(port: UartTx<'static, Async>, chunk: &'static mut [u8; CHUNK]) -> Self {
+    pub const fn new(port: UartTx<'static, Async>, chunk: &'static mut [u8]) -> Self {
         Self { port, chunk }
     }
 
@@ -26,7 +23,7 @@ impl Serial {
     /// # Errors
     /// If DMA fails.
     pub async fn send(&mut self, bytes: &[u8]) -> Result<(), Error> {
-        for bytes in bytes.chunks(CHUNK) {
+        for bytes in bytes.chunks(self.chunk.len().max(1)) {
             let (chunk, _) = self.chunk.split_at_mut(bytes.len());
             chunk.copy_from_slice(bytes);
             self.port.write(chunk).await?;
@@ -38,7 +35,7 @@ impl Serial {
 impl PacketSink for Serial {
     async fn send(&mut self, _: u32, packet: &[u8]) {
         if let Err(error) = Self::send(self, packet).await {
-            defmt::warn!("row packets: {}", error);
+            defmt::warn!("serial port: {}", error);
         }
     }
 

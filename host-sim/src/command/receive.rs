@@ -75,13 +75,14 @@ impl Summary {
 
 /// A line for each frame: what came of it, and the chip's counters at its end.
 fn table(frames: &[ReceivedFrame]) -> String {
-    let mut text =
-        String::from("frame,whole,missing_rows,frames,rows,dropped_rows,dropped_frames,overruns,short,long,stalled\n");
+    let mut text = String::from(
+        "frame,whole,missing_rows,frames,rows,dropped_rows,dropped_frames,overruns,short,long,stalled,dma_errors\n",
+    );
     for frame in frames {
         let c = &frame.counters;
         let _ = writeln!(
             text,
-            "{},{},{},{},{},{},{},{},{},{},{}",
+            "{},{},{},{},{},{},{},{},{},{},{},{}",
             frame.number,
             u8::from(frame.is_whole),
             frame.missing_rows.len(),
@@ -92,7 +93,8 @@ fn table(frames: &[ReceivedFrame]) -> String {
             c.overruns,
             c.short,
             c.long,
-            c.stalled
+            c.stalled,
+            c.dma_errors
         );
     }
     text

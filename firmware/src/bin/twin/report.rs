@@ -34,6 +34,7 @@ pub fn write(clock: &TwinClock, startup_stack: usize) -> Result<()> {
         ("counter_short", counters.short.into()),
         ("counter_long", counters.long.into()),
         ("counter_stalled", counters.stalled.into()),
+        ("counter_dma_errors", counters.dma_errors.into()),
     ];
     lines.into_iter().try_for_each(|(name, value)| line(&mut file, name, value))
 }
