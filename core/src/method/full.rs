@@ -1,17 +1,17 @@
 //! The method `full`: seeds, a few labels a block, agreement of neighbours.
 
-use crate::block::{Block, BlockRows, JUMP};
-use crate::boundary::choose_sources;
-use crate::confidence::Merit;
-use crate::cost::{BlockCost, ROWS};
+use crate::answer::boundary::choose_sources;
+use crate::answer::confidence::Merit;
 use crate::count;
-use crate::extremum::Minimum;
-use crate::label::{Label, Labels};
-use crate::matcher::{Matcher, Stage};
-use crate::noise::SmoothingLevel;
-use crate::path::{Paths, Penalties};
-use crate::pipeline::Pipeline;
-use crate::search::{Bias, Decided, search_block};
+use crate::front_end::noise::SmoothingLevel;
+use crate::matching::block::{Block, BlockRows, JUMP};
+use crate::matching::cost::{BlockCost, ROWS};
+use crate::matching::extremum::Minimum;
+use crate::matching::label::{Label, Labels};
+use crate::matching::path::{Paths, Penalties};
+use crate::matching::search::{Bias, Decided, search_block};
+use crate::method::matcher::{Matcher, Stage};
+use crate::method::pipeline::Pipeline;
 use crate::stage::{self, StageClock, Untimed};
 
 /// Feature rows in reach: those of the block row under way and of the one above, which is decided one

@@ -1,8 +1,8 @@
 //! Who belongs together: contours of the left view and contours of the right one.
 
 use crate::Config;
-use crate::contour::Contour;
 use crate::count;
+use crate::front_end::contour::Contour;
 
 /// Marks a contour without a partner.
 const NOBODY: u16 = u16::MAX;

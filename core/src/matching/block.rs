@@ -1,6 +1,6 @@
 //! Blocks: 4 x 4 pixels that share a disparity, and the rows of them that are kept.
 
-use crate::confidence::Merit;
+use crate::answer::confidence::Merit;
 
 /// Columns and rows of a block.
 pub(crate) const SIZE: usize = 4;
@@ -27,7 +27,7 @@ pub(crate) struct Block {
     pub(crate) disparity: i16,
     /// What the extremum lies after it, 1/16 px.
     pub(crate) fraction: i8,
-    /// How badly the match fits, percent (see [`crate::texture::mismatch`]).
+    /// How badly the match fits, percent (see [`crate::answer::texture::mismatch`]).
     pub(crate) mismatch: u8,
     /// SAD of the match.
     pub(crate) cost: u16,

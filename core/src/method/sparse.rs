@@ -1,13 +1,13 @@
 //! The frame around the sparse methods: rows in, points measured in one row after the other, rows out.
 //! Its names are public and its module is not: nobody outside implements a method of points.
 
+use crate::answer::linkage::{AnswerRing, Answers, LINK_REACH, Links};
 use crate::count;
-use crate::exposure::Exposure;
-use crate::linkage::{AnswerRing, Answers, LINK_REACH, Links};
-use crate::noise::{Noise, SmoothingLevel};
-use crate::pipeline::blocks_for;
+use crate::front_end::exposure::Exposure;
+use crate::front_end::noise::{Noise, SmoothingLevel};
+use crate::front_end::view::{SMOOTH_LAG, View};
+use crate::method::pipeline::blocks_for;
 use crate::stage::{Stage, StageClock, Untimed};
-use crate::view::{SMOOTH_LAG, View};
 use crate::{Config, ConfigError, DisparityRow, Reading, RowError, ScanlinePair, StereoMethod};
 
 /// Feature rows above and below a row that its answer may look at.

@@ -1,8 +1,8 @@
 //! From blocks to answered pixels: texture test, confidence, left-right check, output rows.
 
-use crate::block::{Floor, Neighbourhood, SIZE, Source};
+use crate::answer::texture::{NO_EVIDENCE, Texture};
 use crate::count;
-use crate::texture::{NO_EVIDENCE, Texture};
+use crate::matching::block::{Floor, Neighbourhood, SIZE, Source};
 use crate::{Config, Disparity, DisparityRow};
 
 /// Disparities of the two views that differ by more than this, px, are occluded or wrong
@@ -222,7 +222,7 @@ fn rate_confidence(blocks: &mut Neighbourhood<'_>) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::block::{Block, BlockRows};
+    use crate::matching::block::{Block, BlockRows};
     extern crate std;
     use std::vec::Vec;
 

@@ -1,12 +1,12 @@
 //! The method `envelope`: intensity envelopes of both views, matched (the paper's S1).
 
-use crate::confidence::Merit;
+use crate::answer::confidence::Merit;
+use crate::answer::linkage::{Answers, Links};
 use crate::count;
-use crate::extremum::{Minimum, parabola};
-use crate::haar::sum_121;
-use crate::linkage::{Answers, Links};
-use crate::ring::MARGIN;
-use crate::sparse::{Points, Sparse, SparseRow, SparseView};
+use crate::front_end::haar::sum_121;
+use crate::front_end::ring::MARGIN;
+use crate::matching::extremum::{Minimum, parabola};
+use crate::method::sparse::{Points, Sparse, SparseRow, SparseView};
 use crate::stage::{Stage, StageClock, Untimed};
 use crate::{Config, ConfigError};
 

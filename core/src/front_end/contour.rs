@@ -1,8 +1,8 @@
 //! Contours: the extrema of the Haar response along a line, the only source of candidates.
 
 use crate::count;
-use crate::extremum::parabola;
-use crate::haar::{self, SlidingResponse};
+use crate::front_end::haar::{self, SlidingResponse};
+use crate::matching::extremum::parabola;
 
 /// A contour point: an extremum of the sliding Haar response.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

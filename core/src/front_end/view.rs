@@ -1,11 +1,11 @@
 //! One camera's view: raw rows in, smoothed rows and feature rows out.
 
 use crate::count;
-use crate::exposure::Gain;
-use crate::haar::{pair_sum, sum_121, sum_12221};
-use crate::noise::{NoiseHistogram, SmoothingLevel};
-use crate::reading::Reading;
-use crate::ring::{MARGIN, RowRing, replicate_borders};
+use crate::front_end::exposure::Gain;
+use crate::front_end::haar::{pair_sum, sum_121, sum_12221};
+use crate::front_end::noise::{NoiseHistogram, SmoothingLevel};
+use crate::front_end::reading::Reading;
+use crate::front_end::ring::{MARGIN, RowRing, replicate_borders};
 
 /// Features are clipped to +-`CLIP` grey levels and stored with that offset.
 pub(crate) const CLIP: i32 = 31;

@@ -1,11 +1,11 @@
 //! What a disparity costs: sums of absolute differences over windows of features.
 
 use crate::Config;
-use crate::block::{Block, Floor, SIZE};
+use crate::answer::texture::{Texture, mismatch};
 use crate::count;
-use crate::ring::MARGIN;
-use crate::texture::{Texture, mismatch};
-use crate::view::CLIP;
+use crate::front_end::ring::MARGIN;
+use crate::front_end::view::CLIP;
+use crate::matching::block::{Block, Floor, SIZE};
 
 /// Rows of a block's window, from one row above the block.
 pub(crate) const ROWS: usize = 6;

@@ -169,7 +169,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::extremum::{FRAC_BITS, SettingsError};
+    use crate::matching::extremum::{FRAC_BITS, SettingsError};
 
     const METHODS: [Method; 4] = [Method::Proposed, Method::Bracketed, Method::Long, Method::Hyperbolic];
 

@@ -1,9 +1,9 @@
 //! The boundary choice: at a jump each 2x2 quarter of a block decides which surface it belongs to.
 
-use crate::block::{Block, SIZE, Source};
-use crate::cost::{ROWS, sad};
 use crate::count;
-use crate::ring::MARGIN;
+use crate::front_end::ring::MARGIN;
+use crate::matching::block::{Block, SIZE, Source};
+use crate::matching::cost::{ROWS, sad};
 
 /// Side of the window around a quarter: one pixel more all around.
 const WINDOW: usize = 4;

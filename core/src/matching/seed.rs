@@ -1,9 +1,9 @@
 //! Seeds: disparities at contours seen by both views.
 
 use crate::Config;
-use crate::contour::{Contour, ContourLine};
-use crate::cost::sad;
-use crate::pairing::Pairing;
+use crate::front_end::contour::{Contour, ContourLine};
+use crate::matching::cost::sad;
+use crate::matching::pairing::Pairing;
 
 /// Columns of the window that compares two contours.
 const WINDOW: usize = 8;
@@ -90,7 +90,7 @@ fn contour_cost(left: Contour, right: Contour, left_rows: &[&[u8]], right_rows: 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ring::MARGIN;
+    use crate::front_end::ring::MARGIN;
 
     const WIDTH: usize = 64;
     const BLOCKS: usize = 18;

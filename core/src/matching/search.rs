@@ -1,11 +1,11 @@
 //! The search of one block: few hypotheses, the cheapest wins, a walk to the minimum.
 
-use crate::block::Block;
-use crate::cost::BlockCost;
 use crate::count;
-use crate::extremum::{Minimum, descend};
-use crate::label::{Label, Labels};
-use crate::seed::Seeds;
+use crate::matching::block::Block;
+use crate::matching::cost::BlockCost;
+use crate::matching::extremum::{Minimum, descend};
+use crate::matching::label::{Label, Labels};
+use crate::matching::seed::Seeds;
 
 /// Steps of the walk from the best hypothesis.
 const STEPS: u8 = 1;

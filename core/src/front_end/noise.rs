@@ -1,10 +1,10 @@
 //! How noisy the frame is, judged from the rows that came so far.
 
 use crate::count;
-use crate::exposure::Gain;
-use crate::haar::difference_121;
-use crate::reading::Reading;
-use crate::ring::MARGIN;
+use crate::front_end::exposure::Gain;
+use crate::front_end::haar::difference_121;
+use crate::front_end::reading::Reading;
+use crate::front_end::ring::MARGIN;
 
 const BINS: usize = 64;
 /// One pixel in so many is looked at.

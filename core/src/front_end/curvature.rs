@@ -4,9 +4,9 @@
 //! one of its polarity in the row above and in the row below; the bend is the second difference of its column
 //! over the three rows, the pair difference of pair differences.
 
-use crate::contour::Contour;
 use crate::count;
-use crate::haar::difference_121;
+use crate::front_end::contour::Contour;
+use crate::front_end::haar::difference_121;
 
 /// Columns between rows by which a contour may move and still be the same one, 1/16 px.
 const MOST_MOVE: i32 = 3 * 16;

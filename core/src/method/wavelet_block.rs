@@ -1,15 +1,15 @@
 //! The method `wavelet-block`: block matching whose disparities an extremum search finds.
 
-use crate::block::{Begun, Block, BlockRows, JUMP};
-use crate::boundary::choose_sources;
-use crate::confidence::Merit;
-use crate::cost::{BlockCost, ROWS};
+use crate::answer::boundary::choose_sources;
+use crate::answer::confidence::Merit;
 use crate::count;
-use crate::extremum::{FRAC_BITS, Method, Minimum, Settings, descend};
-use crate::label::{Label, Labels};
-use crate::matcher::{Matcher, Stage};
-use crate::pipeline::Pipeline;
-use crate::search::{Bias, Decided, best_hypothesis};
+use crate::matching::block::{Begun, Block, BlockRows, JUMP};
+use crate::matching::cost::{BlockCost, ROWS};
+use crate::matching::extremum::{FRAC_BITS, Method, Minimum, Settings, descend};
+use crate::matching::label::{Label, Labels};
+use crate::matching::search::{Bias, Decided, best_hypothesis};
+use crate::method::matcher::{Matcher, Stage};
+use crate::method::pipeline::Pipeline;
 use crate::stage::{self, StageClock, Untimed};
 use crate::{Config, ConfigError, Parts, Reading};
 

@@ -1,17 +1,17 @@
 //! The pipeline that all methods of the core share: rows in, block rows to a matcher, rows out.
 
-use crate::block::{BlockRows, SIZE, SIZE_U32};
-use crate::consistency::answer;
+use crate::answer::consistency::answer;
+use crate::answer::texture::Texture;
 use crate::count;
-use crate::exposure::Exposure;
-use crate::matcher::{Matcher, Stage};
-use crate::noise::{Noise, SmoothingLevel};
-use crate::parts::Parts;
-use crate::ring::MARGIN;
-use crate::seed::Seeds;
+use crate::front_end::exposure::Exposure;
+use crate::front_end::noise::{Noise, SmoothingLevel};
+use crate::front_end::ring::MARGIN;
+use crate::front_end::view::{SMOOTH_LAG, View, sum_rows};
+use crate::matching::block::{BlockRows, SIZE, SIZE_U32};
+use crate::matching::seed::Seeds;
+use crate::method::matcher::{Matcher, Stage};
+use crate::method::parts::Parts;
 use crate::stage::{self, StageClock, Untimed};
-use crate::texture::Texture;
-use crate::view::{SMOOTH_LAG, View, sum_rows};
 use crate::{Config, ConfigError, DisparityRow, RowError, ScanlinePair, StereoMethod};
 
 /// Half-support of the Haar wavelet that finds the contours, px.

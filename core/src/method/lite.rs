@@ -1,13 +1,13 @@
 //! The method `lite`: seeds, greedy blocks.
 
-use crate::block::{Begun, Block, BlockRows, JUMP};
-use crate::boundary::choose_sources;
-use crate::confidence::Merit;
-use crate::cost::{BlockCost, ROWS};
-use crate::label::Labels;
-use crate::matcher::{Matcher, Stage};
-use crate::pipeline::Pipeline;
-use crate::search::{Bias, Decided, search_block};
+use crate::answer::boundary::choose_sources;
+use crate::answer::confidence::Merit;
+use crate::matching::block::{Begun, Block, BlockRows, JUMP};
+use crate::matching::cost::{BlockCost, ROWS};
+use crate::matching::label::Labels;
+use crate::matching::search::{Bias, Decided, search_block};
+use crate::method::matcher::{Matcher, Stage};
+use crate::method::pipeline::Pipeline;
 use crate::stage::{self, StageClock, Untimed};
 
 /// Columns of a block's window; two more than the block on either side.

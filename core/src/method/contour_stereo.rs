@@ -1,17 +1,17 @@
 //! The method `contour`: contours of both views, matched (the paper's S2 and S3).
 
-use crate::confidence::Merit;
-use crate::contour::{Contour, ContourLine};
-use crate::cost::sad;
+use crate::answer::confidence::Merit;
+use crate::answer::linkage::{Answers, Links};
 use crate::count;
-use crate::extremum::descend;
-use crate::linkage::{Answers, Links};
-use crate::pairing::{Choice, Pairing};
-use crate::ring::MARGIN;
-use crate::scales::Scales;
-use crate::sparse::{FEATURE_REACH, FEATURE_ROWS, Points, Sparse, SparseRow, SparseView};
+use crate::front_end::contour::{Contour, ContourLine};
+use crate::front_end::ring::MARGIN;
+use crate::front_end::scales::Scales;
+use crate::front_end::view::sum_rows;
+use crate::matching::cost::sad;
+use crate::matching::extremum::descend;
+use crate::matching::pairing::{Choice, Pairing};
+use crate::method::sparse::{FEATURE_REACH, FEATURE_ROWS, Points, Sparse, SparseRow, SparseView};
 use crate::stage::{Stage, StageClock, Untimed};
-use crate::view::sum_rows;
 use crate::{Config, ConfigError};
 
 /// Columns of the window that compares two contours, half of them on either side.

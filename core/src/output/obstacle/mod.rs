@@ -28,8 +28,8 @@
 
 use core::fmt;
 
-use crate::block::SIZE;
-use crate::pipeline::blocks_for;
+use crate::matching::block::SIZE;
+use crate::method::pipeline::blocks_for;
 use crate::{DisparityRow, Rig};
 
 mod chain;

@@ -2,15 +2,15 @@
 //! nobody outside implements it.
 
 use crate::Config;
-use crate::block::{BlockRows, SIZE, SIZE_U32};
-use crate::noise::Noise;
-use crate::parts::Parts;
-use crate::reading::Reading;
-use crate::ring::MARGIN;
-use crate::seed::Seeds;
+use crate::answer::texture::Texture;
+use crate::front_end::noise::Noise;
+use crate::front_end::reading::Reading;
+use crate::front_end::ring::MARGIN;
+use crate::front_end::view::View;
+use crate::matching::block::{BlockRows, SIZE, SIZE_U32};
+use crate::matching::seed::Seeds;
+use crate::method::parts::Parts;
 use crate::stage::StageClock;
-use crate::texture::Texture;
-use crate::view::View;
 
 /// How a method decides the blocks; the pipeline does the rest.
 pub trait Matcher<const FEATURE_ROWS: usize, const BLOCKS: usize> {

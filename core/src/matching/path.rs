@@ -1,7 +1,7 @@
 //! Messages between blocks: what a neighbour's labels say about a disparity.
 
 use crate::count;
-use crate::label::{Label, Labels};
+use crate::matching::label::{Label, Labels};
 
 /// What neighbours pay for disagreeing, in units of the cost.
 #[derive(Debug, Clone, Copy)]

@@ -3,7 +3,7 @@
 //! Contours go on from row to row and the points on a surface lie close together, while wrong matches
 //! scatter: each is refuted by the points around it.
 
-use crate::confidence::Merit;
+use crate::answer::confidence::Merit;
 use crate::count;
 use crate::{Config, Disparity};
 

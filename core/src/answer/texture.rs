@@ -5,8 +5,8 @@
 //! no stronger than the frame's noise explains, and it fits its match no better than two patches of
 //! independent noise would, averaged over it and the blocks around it.
 
-use crate::noise::{Noise, SmoothingLevel};
-use crate::reading::Reading;
+use crate::front_end::noise::{Noise, SmoothingLevel};
+use crate::front_end::reading::Reading;
 
 /// Mismatch of a block that shows no texture at all, percent.
 pub(crate) const NO_EVIDENCE: u8 = 100;
