@@ -1,14 +1,14 @@
 //! The method `lite`: seeds, greedy blocks.
 
-use crate::answer::boundary::choose_sources;
 use crate::answer::confidence::Merit;
-use crate::matching::block::{Begun, Block, BlockRows, JUMP};
+use crate::matching::block::{Block, BlockRows, JUMP};
 use crate::matching::cost::{BlockCost, ROWS};
 use crate::matching::label::Labels;
 use crate::matching::search::{Bias, Decided, search_block};
+use crate::method::block_row::decide_row;
 use crate::method::matcher::{Matcher, Stage};
 use crate::method::pipeline::Pipeline;
-use crate::stage::{self, StageClock, Untimed};
+use crate::stage::{StageClock, Untimed};
 
 /// Columns of a block's window; two more than the block on either side.
 const WIDTH: usize = 8;
@@ -45,19 +45,7 @@ impl<const BLOCKS: usize> Matcher<ROWS, BLOCKS> for Greedy {
     fn clear(&mut self) {}
 
     fn decide(&mut self, stage: &Stage<'_, ROWS, BLOCKS>, blocks: &mut BlockRows<BLOCKS>, clock: &impl StageClock) {
-        clock.enter(stage::Stage::Blocks);
-        let (left, right) = stage.features(blocks.len());
-        let cost = BlockCost::<WIDTH> { config: stage.config, left, right };
-        let Begun { row, above, .. } = blocks.begin(stage.config.blocks());
-        let above = above.as_deref();
-        let mut decided = Decided::default();
-        for (index, block) in row.iter_mut().enumerate() {
-            decided.look_up(above, index);
-            *block = greedy_block(stage, &cost, index, decided);
-            decided.left = block.as_ref().map(Block::px);
-        }
-        clock.enter(stage::Stage::Consistency);
-        choose_sources(row, above, &left, &right);
+        decide_row(stage, blocks, clock, |cost, index, decided| greedy_block(stage, cost, index, decided));
     }
 
     fn finish(&mut self, _: &Stage<'_, ROWS, BLOCKS>, _: &mut BlockRows<BLOCKS>) {}

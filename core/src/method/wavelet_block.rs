@@ -1,16 +1,16 @@
 //! The method `wavelet-block`: block matching whose disparities an extremum search finds.
 
-use crate::answer::boundary::choose_sources;
 use crate::answer::confidence::Merit;
 use crate::count;
-use crate::matching::block::{Begun, Block, BlockRows, JUMP};
+use crate::matching::block::{Block, BlockRows, JUMP};
 use crate::matching::cost::{BlockCost, ROWS};
 use crate::matching::extremum::{FRAC_BITS, Method, Minimum, Settings, descend};
 use crate::matching::label::{Label, Labels};
 use crate::matching::search::{Bias, Decided, best_hypothesis};
+use crate::method::block_row::decide_row;
 use crate::method::matcher::{Matcher, Stage};
 use crate::method::pipeline::Pipeline;
-use crate::stage::{self, StageClock, Untimed};
+use crate::stage::{StageClock, Untimed};
 use crate::{Config, ConfigError, Parts, Reading};
 
 /// Columns of a block's window.
@@ -73,19 +73,7 @@ impl<const BLOCKS: usize> Matcher<ROWS, BLOCKS> for Descent {
     fn clear(&mut self) {}
 
     fn decide(&mut self, stage: &Stage<'_, ROWS, BLOCKS>, blocks: &mut BlockRows<BLOCKS>, clock: &impl StageClock) {
-        clock.enter(stage::Stage::Blocks);
-        let (left, right) = stage.features(blocks.len());
-        let cost = BlockCost { config: stage.config, left, right };
-        let Begun { row, above, .. } = blocks.begin(stage.config.blocks());
-        let above = above.as_deref();
-        let mut decided = Decided::default();
-        for (index, block) in row.iter_mut().enumerate() {
-            decided.look_up(above, index);
-            *block = match_block(stage, &cost, index, decided);
-            decided.left = block.as_ref().map(Block::px);
-        }
-        clock.enter(stage::Stage::Consistency);
-        choose_sources(row, above, &left, &right);
+        decide_row(stage, blocks, clock, |cost, index, decided| match_block(stage, cost, index, decided));
     }
 
     fn finish(&mut self, _: &Stage<'_, ROWS, BLOCKS>, _: &mut BlockRows<BLOCKS>) {}
