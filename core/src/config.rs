@@ -1,7 +1,7 @@
 //! What a method is told once, before the first row.
 
-use crate::block::SIZE;
 use crate::error::ConfigError;
+use crate::matching::block::SIZE;
 
 /// Size of a row and range of the search, for every method.
 ///

@@ -25,55 +25,31 @@
 //! ```
 #![no_std]
 
+// A camera line passes `camera`, `front_end`, `matching`, `answer` and `output`, in this order; a `method` takes
+// it from the front end to the answer.
+mod answer;
+mod camera;
+mod front_end;
+mod matching;
+mod method;
+mod output;
+
+// What all of them know.
 pub mod config;
-pub mod contour;
-pub mod contour_stereo;
 pub mod count;
-pub mod counters;
-pub mod curvature;
-pub mod disparity;
-pub mod envelope;
 pub mod error;
-pub mod extremum;
-pub mod fill;
-pub mod framing;
-pub mod full;
-pub mod haar;
-pub mod lite;
-pub mod obstacle;
-#[cfg(feature = "packet")]
-pub mod packet;
-pub mod parts;
-pub mod pipeline;
-pub mod reading;
-pub mod rectify;
-pub mod rig;
-pub mod scales;
-pub mod scanline;
 pub mod setup;
 pub mod stage;
-pub mod stereo;
-pub mod wavelet_block;
-pub mod wiring;
 
-mod block;
-mod boundary;
-mod confidence;
-mod consistency;
-mod cost;
-mod exposure;
-mod label;
-mod linkage;
-mod matcher;
-mod noise;
-mod pairing;
-mod path;
-mod ring;
-mod search;
-mod seed;
-mod sparse;
-mod texture;
-mod view;
+// The folders are for those who read this; those who use it need not know them.
+pub use answer::disparity;
+pub use camera::{counters, framing, rectify, scanline, wiring};
+pub use front_end::{contour, curvature, haar, reading, scales};
+pub use matching::extremum;
+pub use method::{contour_stereo, envelope, full, lite, parts, pipeline, stereo, wavelet_block};
+#[cfg(feature = "packet")]
+pub use output::packet;
+pub use output::{fill, obstacle, rig};
 
 pub use config::Config;
 pub use contour_stereo::{ContourSettings, ContourStereo};

@@ -1,6 +1,6 @@
 //! All that a program must know of its cameras, in integers: what a rig description comes down to.
 
-use crate::obstacle::{Mounting, Sectors};
+use crate::output::obstacle::{Mounting, Sectors};
 use crate::{Config, Offset, Rig, Wiring};
 
 /// A rig as the chip sees it. `SECTORS` is the capacity for bearing sectors.

@@ -87,7 +87,7 @@ impl<C: StageClock> StageClock for &C {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contour_stereo::rows_for;
+    use crate::method::contour_stereo::rows_for;
     use crate::{Config, ContourStereo, EnvelopeStereo, Full, Lite, ScanlinePair, StereoMethod, blocks_for};
     use core::cell::RefCell;
     extern crate std;

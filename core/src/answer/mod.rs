@@ -1,0 +1,9 @@
+//! What is said of a pixel: a `disparity` and its `confidence`, or unknown. Blocks pass the tests of `texture`,
+//! `boundary` and `consistency`, single points that of `linkage`.
+
+pub(crate) mod boundary;
+pub(crate) mod confidence;
+pub(crate) mod consistency;
+pub mod disparity;
+pub(crate) mod linkage;
+pub(crate) mod texture;

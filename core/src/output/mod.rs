@@ -1,0 +1,8 @@
+//! What becomes of a row of disparities: depth by the geometry of the `rig`, the nearest `obstacle` in every
+//! direction, a `packet` for a wire; `fill` guesses what is unknown.
+
+pub mod fill;
+pub mod obstacle;
+#[cfg(feature = "packet")]
+pub mod packet;
+pub mod rig;

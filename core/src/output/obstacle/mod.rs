@@ -1,0 +1,292 @@
+//! Obstacles: the nearest thing in each direction that stands in the way.
+//!
+//! Works on disparity rows as they come out of a method, and keeps nothing but one row of blocks. Of each
+//! 4x4 block one pixel is looked at. It counts if it is certain enough and lies within a band of heights
+//! over the ground, so that the ground itself does not count; and it is believed if blocks that adjoin it
+//! agree, so that single wrong ones are not. Where nothing is believed the answer is unknown: it is never
+//! "free".
+//!
+//! ```
+//! use haarline::obstacle::{Mounting, Obstacles, Sectors, Settings};
+//! use haarline::{Disparity, DisparityRow, Rig, blocks_for};
+//! let sectors = Sectors { // three of 20 degrees
+//!     count: 3,
+//!     left_q16: [-37837, -11556, 11556], // tangents of -30, -10 and 10 degrees
+//!     right_q16: 37837,
+//!     secant_q14: [17436, 16384, 17436],
+//! };
+//! let level = Mounting { height_mm: 300, sin_pitch_q14: 0, cos_pitch_q14: 1 << 14, lowest_mm: 50, highest_mm: 600 };
+//! let rig = Rig::new(200 << 8, 60_000).unwrap(); // 200 px, 60 mm
+//! let mut obstacles = Obstacles::<3, { blocks_for(320) }>::new([320, 240], rig, level, sectors, Settings::DEFAULT)?;
+//! for y in 0..240 {
+//!     obstacles.push(&DisparityRow { y, disparity: &[Disparity::from_px(8); 320], confidence: &[255; 320] });
+//! }
+//! // A wall at 1.5 m, at the sides a little more.
+//! assert!(obstacles.nearest_mm().eq([Some(1596), Some(1500), Some(1596)]));
+//! # Ok::<(), haarline::obstacle::ObstacleError>(())
+//! ```
+
+use core::fmt;
+
+use crate::matching::block::SIZE;
+use crate::method::pipeline::blocks_for;
+use crate::{DisparityRow, Rig};
+
+mod chain;
+mod lane;
+
+use chain::Chain;
+use lane::{Camera, Directions, Lane};
+
+/// Most sectors that anybody asks for: those of MAVLink's `OBSTACLE_DISTANCE`.
+pub const MAX_SECTORS: usize = 72;
+
+/// How the left camera stands over the ground, and what is in the way.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Mounting {
+    /// Height of the camera over the ground, mm, within ±[`Mounting::MAX_MM`].
+    pub height_mm: i32,
+    /// Sine of its pitch, 1/16384; upwards is positive.
+    pub sin_pitch_q14: i16,
+    /// Cosine of its pitch, 1/16384, greater than 0.
+    pub cos_pitch_q14: i16,
+    /// Least height over the ground that is in the way, mm, within ±[`Mounting::MAX_MM`].
+    pub lowest_mm: i32,
+    /// Greatest height over the ground that is in the way, mm, greater than `lowest_mm`, within
+    /// ±[`Mounting::MAX_MM`].
+    pub highest_mm: i32,
+}
+
+impl Mounting {
+    /// Greatest magnitude of any height, mm.
+    pub const MAX_MM: i32 = 20_000;
+    /// One, as a sine or cosine.
+    const ONE: i16 = 1 << 14;
+
+    fn is_valid(&self) -> bool {
+        let Self { height_mm, sin_pitch_q14, cos_pitch_q14, lowest_mm, highest_mm } = *self;
+        let fits = |mm: i32| mm.unsigned_abs() <= Self::MAX_MM.unsigned_abs();
+        let is_angle =
+            sin_pitch_q14.unsigned_abs() <= Self::ONE.unsigned_abs() && (1..=Self::ONE).contains(&cos_pitch_q14);
+        is_angle && [height_mm, lowest_mm, highest_mm].into_iter().all(fits) && lowest_mm < highest_mm
+    }
+}
+
+/// Bearing sectors from left to right, each beginning where the one before it ends. A bearing is the angle
+/// in the ground plane, clockwise from straight ahead. `N` is the capacity; what lies beyond `count` does not
+/// count.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Sectors<const N: usize> {
+    /// How many there are, 1 to `N`.
+    pub count: usize,
+    /// Tangent of each one's left border, 1/65536, rising, within ±16.
+    pub left_q16: [i32; N],
+    /// Tangent of the last one's right border, 1/65536, within ±16.
+    pub right_q16: i32,
+    /// 1 / cosine of each one's middle, 1/16384, 1 to 16: what makes a range of a distance ahead.
+    pub secant_q14: [u32; N],
+}
+
+impl<const N: usize> Sectors<N> {
+    const MAX_TANGENT: i32 = 16 << 16;
+    const SECANTS: core::ops::RangeInclusive<u32> = 1 << 14..=16 << 14;
+
+    /// Tangents of the right borders.
+    fn right_borders(&self) -> impl Iterator<Item = i32> {
+        let used = self.left_q16.get(1..self.count).unwrap_or(&[]);
+        used.iter().copied().chain([self.right_q16])
+    }
+
+    fn is_valid(&self) -> bool {
+        if !(1..=N).contains(&self.count) {
+            return false;
+        }
+        let fits = |tangent: i32| tangent.unsigned_abs() <= Self::MAX_TANGENT.unsigned_abs();
+        let borders = self.left_q16.iter().zip(self.right_borders());
+        let secants = self.secant_q14.iter().take(self.count);
+        borders.into_iter().all(|(&left, right)| fits(left) && fits(right) && left < right)
+            && secants.into_iter().all(|secant| Self::SECANTS.contains(secant))
+    }
+}
+
+/// What it takes to be believed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Settings {
+    /// Blocks in a chain that adjoin and agree, from two block rows at least.
+    pub agreeing_blocks: u8,
+    /// Difference of disparity up to which two blocks agree, 1/16 px.
+    pub tolerance: u8,
+    /// By how much a disparity may be wrong without ground being taken for something that stands on it,
+    /// 1/16 px.
+    pub doubt: u8,
+    /// Least confidence of a block.
+    pub min_confidence: u8,
+}
+
+impl Settings {
+    /// Four blocks within 1 px, half a pixel of doubt.
+    pub const DEFAULT: Self = Self { agreeing_blocks: 4, tolerance: 16, doubt: 8, min_confidence: 64 };
+}
+
+/// Why obstacles cannot be looked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum ObstacleError {
+    /// The size must be 32 px or more, and at most 4096 rows.
+    Size,
+    /// The width is over this instance's capacity.
+    Capacity {
+        /// Greatest width this instance can hold, px.
+        max_width: u16,
+    },
+    /// The focal length must be at most 16384 px, and the baseline at most 16 m.
+    Rig,
+    /// A height is over 20 m, the band of heights is empty, or the pitch is no angle within ±90 degrees.
+    Mounting,
+    /// No sector, more than there is room for, borders that do not rise, or an angle of more than 86 degrees.
+    Sectors,
+}
+
+impl fmt::Display for ObstacleError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Size => f.write_str("the views must be 32 px wide or more, and at most 4096 rows high"),
+            Self::Capacity { max_width } => write!(f, "the width is over this instance's capacity of {max_width} px"),
+            Self::Rig => f.write_str("the focal length must be at most 16384 px, and the baseline at most 16 m"),
+            Self::Mounting => {
+                f.write_str("heights must be within 20 m, the lowest under the highest, the pitch under 90 degrees")
+            }
+            Self::Sectors => {
+                f.write_str("the sectors must be 1 to the capacity, with borders that rise, within 86 degrees")
+            }
+        }
+    }
+}
+
+impl core::error::Error for ObstacleError {}
+
+/// Nothing was found.
+const UNKNOWN_MM: u32 = u32::MAX;
+
+/// Finds the nearest obstacle of each sector while the rows of a frame pass.
+///
+/// `SECTORS` is the capacity for sectors, `BLOCKS` that for the width: [`blocks_for`] it. Of the same rows
+/// every capacity makes the same answer. A row costs nothing, one in four a division or two for each sector and
+/// two comparisons for each block.
+#[derive(Debug, Clone)]
+pub struct Obstacles<const SECTORS: usize, const BLOCKS: usize> {
+    camera: Camera,
+    sectors: Sectors<SECTORS>,
+    settings: Settings,
+    /// The block row looked at last.
+    chains: [Chain; BLOCKS],
+    nearest_mm: [u32; SECTORS],
+}
+
+impl<const SECTORS: usize, const BLOCKS: usize> Obstacles<SECTORS, BLOCKS> {
+    /// The row of each block row that is looked at.
+    const SAMPLE: usize = SIZE / 2;
+
+    /// For views of width and height `size`.
+    ///
+    /// # Errors
+    /// Names the first argument that is out of its range.
+    pub fn new(
+        size: [u16; 2],
+        rig: Rig,
+        mounting: Mounting,
+        sectors: Sectors<SECTORS>,
+        settings: Settings,
+    ) -> Result<Self, ObstacleError> {
+        let blocks = blocks_for(size[0]);
+        if blocks > BLOCKS {
+            let max_width = u16::try_from(SIZE * BLOCKS.saturating_sub(blocks_for(0))).unwrap_or(u16::MAX);
+            return Err(ObstacleError::Capacity { max_width });
+        }
+        if !mounting.is_valid() {
+            return Err(ObstacleError::Mounting);
+        }
+        if !sectors.is_valid() {
+            return Err(ObstacleError::Sectors);
+        }
+        let camera = Camera::new(size, rig, mounting)?;
+        Ok(Self { camera, sectors, settings, chains: [Chain::NONE; BLOCKS], nearest_mm: [UNKNOWN_MM; SECTORS] })
+    }
+
+    /// Begins a frame. The first row of one does the same.
+    pub fn start(&mut self) {
+        self.chains = [Chain::NONE; BLOCKS];
+        self.nearest_mm = [UNKNOWN_MM; SECTORS];
+    }
+
+    /// Takes the next row of a frame. One whose width differs is taken as far as it goes.
+    pub fn push(&mut self, row: &DisparityRow<'_>) {
+        if row.y == 0 {
+            self.start();
+        }
+        if row.y as usize % SIZE != Self::SAMPLE {
+            return;
+        }
+        match self.camera.lane(row.y, self.settings.doubt) {
+            Some(lane) => self.look(&lane, row),
+            None => self.chains = [Chain::NONE; BLOCKS],
+        }
+    }
+
+    /// Distance over the ground to the nearest obstacle of each sector, mm, rounded down; `None` is unknown. Whole once the
+    /// last row of the frame is in.
+    pub fn nearest_mm(&self) -> impl Iterator<Item = Option<u32>> {
+        let used = self.nearest_mm.iter().take(self.sectors.count);
+        used.map(|&mm| (mm != UNKNOWN_MM).then_some(mm))
+    }
+
+    /// Extends the chains by a row of blocks, and reports those that are believed.
+    fn look(&mut self, lane: &Lane, row: &DisparityRow<'_>) {
+        let samples = row.disparity.iter().zip(row.confidence).take(self.camera.width());
+        let mut samples = samples.skip(Self::SAMPLE).step_by(SIZE);
+        let mut directions = Directions::new(lane);
+        let (mut left, mut above_left) = (Chain::NONE, Chain::NONE);
+        let mut report = Report { sector: None, bits: 0 };
+        for index in 0..BLOCKS {
+            let Some((disparity, &confidence)) = samples.next() else { break };
+            let above = self.chains.get(index).copied().unwrap_or(Chain::NONE);
+            let above_right = self.chains.get(index + 1).copied().unwrap_or(Chain::NONE);
+            let bits = disparity.known().filter(|&bits| confidence >= self.settings.min_confidence && lane.holds(bits));
+            let chain = bits.map_or(Chain::NONE, |bits| {
+                Chain::grow(bits, left, [above_left, above, above_right], self.settings.tolerance)
+            });
+            if let Some(slot) = self.chains.get_mut(index) {
+                *slot = chain;
+            }
+            (left, above_left) = (chain, above);
+            if chain.is_believed(self.settings.agreeing_blocks) {
+                let sector = directions.sector_of(SIZE * index + Self::SAMPLE, &self.sectors);
+                if sector != report.sector {
+                    self.note(lane, report);
+                    report = Report { sector, bits: 0 };
+                }
+                report.bits = report.bits.max(chain.confirmed);
+            }
+        }
+        self.note(lane, report);
+    }
+
+    fn note(&mut self, lane: &Lane, Report { sector, bits }: Report) {
+        let Some(sector) = sector else { return };
+        let (Some(&secant), Some(nearest)) = (self.sectors.secant_q14.get(sector), self.nearest_mm.get_mut(sector))
+        else {
+            return;
+        };
+        *nearest = (*nearest).min(lane.range_mm(bits, secant));
+    }
+}
+
+/// The greatest disparity believed in a sector of a row, 1/16 px.
+#[derive(Debug, Clone, Copy)]
+struct Report {
+    sector: Option<usize>,
+    bits: i16,
+}
+
+#[cfg(test)]
+mod tests;
