@@ -145,7 +145,7 @@ def main():
             pairs, nearer, others = compare(take, truth, table)
             print(f"{method}, {take.name}, {take.what}: {len(pairs)} of {len(truth)} frames compared")
             report(method, take, pairs)
-            print(f"  other sectors more than {MARGIN} % nearer (some of it real): {nearer} of {others}")
+            print(f"  other sectors more than {MARGIN} % nearer (some may be real): {nearer} of {others}")
             assert 100 * nearer <= NEARER * others, f"{method}, {take.name}: {nearer} of {others} sectors nearer"
 
 
