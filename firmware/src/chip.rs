@@ -20,7 +20,7 @@ use embassy_stm32::{Peripherals, bind_interrupts, dma, i2c};
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use embassy_sync::zerocopy_channel::Channel;
 use embassy_time::{Duration, Instant, Ticker};
-use haarline::{Full, Lite, Paired, Setup, Stage, StereoMethod, blocks_for};
+use haarline::{ConfigError, Full, Lite, Paired, Setup, Stage, StereoMethod, blocks_for};
 use haarline_firmware::autopilot::Sightings;
 use haarline_firmware::capture::Patience;
 use haarline_firmware::h743::camera::{Camera, Pins, PortHandler};
@@ -58,14 +58,15 @@ const PATIENCE: Patience = Patience {
 };
 
 type Clock = &'static CycleClock;
-/// A method behind the rig's offset.
-type Behind<M> = Paired<M, { PLAN.offset.waiting_rows() }, { settings::WIDTH as usize }>;
+/// The method behind the rig's offset.
+type Behind = Paired<&'static mut dyn StereoMethod, { PLAN.offset.waiting_rows() }, { settings::WIDTH as usize }>;
 
 /// What happened to the camera's frames.
 static COUNTERS: SharedCounters = SharedCounters::new();
 static CLOCK: ConstStaticCell<CycleClock> = ConstStaticCell::new(CycleClock::new());
-static METHOD_FULL: StaticCell<Behind<Full<BLOCKS, Clock>>> = StaticCell::new();
-static METHOD_LITE: StaticCell<Behind<Lite<BLOCKS, Clock>>> = StaticCell::new();
+static METHOD_FULL: StaticCell<Full<BLOCKS, Clock>> = StaticCell::new();
+static METHOD_LITE: StaticCell<Lite<BLOCKS, Clock>> = StaticCell::new();
+static BEHIND: StaticCell<Behind> = StaticCell::new();
 static RAW_RING: ConstStaticCell<[RawRow; RAW_ROWS]> = ConstStaticCell::new([RawRow::EMPTY; RAW_ROWS]);
 static RESULT_RING: ConstStaticCell<[ResultRow; RESULT_ROWS]> = ConstStaticCell::new([ResultRow::EMPTY; RESULT_ROWS]);
 static RAW: StaticCell<Channel<'static, CriticalSectionRawMutex, RawRow>> = StaticCell::new();
@@ -152,22 +153,24 @@ fn start(spawner: Spawner, clock: Clock, p: Peripherals) {
     prompt.spawn(capture_task(camera, raw_to).unwrap());
     prompt.spawn(results_task(results_from, rows).unwrap());
     prompt.spawn(autopilot_task(mavlink).unwrap());
-    spawner.spawn(vision_task(clock, setup, raw_from, results_to, watchdog).unwrap());
+    spawner.spawn(vision_task(clock, behind_offset(clock), setup, raw_from, results_to, watchdog).unwrap());
     spawner.spawn(sensors_task([first, second], trigger).unwrap());
     spawner.spawn(statistics_task(clock).unwrap());
 }
 
-fn method(clock: Clock) -> &'static mut dyn StereoMethod {
-    let built = match settings::METHOD {
-        Method::Full => Full::timed(settings::CONFIG, clock)
-            .and_then(|method| Paired::new(method, PLAN.offset))
-            .map(|method| METHOD_FULL.init(method) as &mut dyn StereoMethod),
-        Method::Lite => Lite::timed(settings::CONFIG, clock)
-            .and_then(|method| Paired::new(method, PLAN.offset))
-            .map(|method| METHOD_LITE.init(method) as &mut dyn StereoMethod),
-    };
-    match built {
-        Ok(method) => method,
+/// Builds the method. A function of its own, so that what it needs of the stack is needed at start-up only.
+#[inline(never)]
+fn method(clock: Clock) -> Result<&'static mut dyn StereoMethod, ConfigError> {
+    Ok(match settings::METHOD {
+        Method::Full => METHOD_FULL.init(Full::timed(settings::CONFIG, clock)?),
+        Method::Lite => METHOD_LITE.init(Lite::timed(settings::CONFIG, clock)?),
+    })
+}
+
+/// Builds it behind the rig's offset.
+fn behind_offset(clock: Clock) -> &'static mut Behind {
+    match method(clock).and_then(|method| Paired::new(method, PLAN.offset)) {
+        Ok(behind) => BEHIND.init(behind),
         Err(error) => defmt::panic!("the rig: {}", defmt::Display2Format(&error)),
     }
 }
@@ -181,6 +184,7 @@ async fn capture_task(camera: Camera, ring: To<RawRow>) {
 #[embassy_executor::task]
 async fn vision_task(
     clock: Clock,
+    method: &'static mut Behind,
     setup: Setup<SECTORS>,
     raw: From<RawRow>,
     rows: To<ResultRow>,
@@ -190,7 +194,7 @@ async fn vision_task(
         Ok(lookout) => lookout,
         Err(error) => defmt::panic!("the rig: {}", defmt::Display2Format(&error)),
     };
-    let work = vision::vision(method(clock), settings::WIRING, clock, Some(lookout), raw, rows, &COUNTERS);
+    let work = vision::vision(method, settings::WIRING, clock, Some(lookout), raw, rows, &COUNTERS);
     join(work, feed(clock, watchdog)).await;
 }
 
