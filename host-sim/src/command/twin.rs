@@ -9,12 +9,14 @@ use std::time::Duration;
 use anyhow::{Context, Result, bail, ensure};
 use haarline::wiring::{First, Kind};
 use haarline::{Stage, Wiring};
+use haarline_rig::Description;
 use serde::Serialize;
 
-use super::shared::{SearchRange, WiringArgs};
+use super::shared::{RigArg, SearchRange, WiringArgs};
 use super::{Finding, natural_number, number, print};
 use crate::degrade::Degradation;
 use crate::method::MethodKind;
+use crate::obstacles::{FrameObstacles, ObstacleFinder};
 use crate::output;
 use crate::raw_dump::{RawFormat, ViewSize};
 use crate::recording::{Layout, Side, find_frames};
@@ -23,8 +25,8 @@ use crate::twin::estimate::{CHIPS, Estimate};
 use crate::twin::footage::Footage;
 use crate::twin::machine::Machine;
 use crate::twin::rows::decode;
-use crate::twin::{Report, Request};
-use crate::{DisparityMap, StereoPair, output::pfm, pipeline};
+use crate::twin::{Report, Request, obstacles};
+use crate::{DisparityMap, StereoPair, output::pfm, pipeline, rig_file};
 
 /// Bytes of results that are kept whole; of a longer run only the recording's first and last round are.
 const MOST_KEPT: u64 = 256 << 20;
@@ -58,6 +60,11 @@ pub(super) struct Args {
     /// Frames to play; the recording begins again where it ends [default: each once]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     frames: Option<u32>,
+    /// Distance to the nearest obstacle in each direction of each frame, cm, as the chip found it; needs --rig
+    #[arg(long, value_name = "FILE.csv", requires = "rig")]
+    obstacles: Option<PathBuf>,
+    #[command(flatten)]
+    rig: RigArg,
     #[command(flatten)]
     search: SearchRange,
     /// How to match
@@ -127,24 +134,38 @@ struct Summary {
     /// Frames compared with the host's, and those that differ, by number.
     compared: usize,
     different_frames: Vec<u32>,
+    /// Frames whose obstacles were compared with the host's, and those that differ; none without a rig.
+    obstacles_compared: Option<usize>,
+    different_obstacles: Vec<u32>,
 }
 
 impl Args {
     pub(super) fn run(self) -> Result<()> {
-        let footage = self.read()?;
+        let rig = self.rig.read(&self.search, [None; 2])?;
+        let footage = self.read(rig.as_ref())?;
         let ViewSize { width, height } = footage.format.size;
-        let config = self.search.config(width)?;
         let (width, height) = (usize::from(width), usize::from(height));
+        let config = match &rig {
+            Some(rig) => {
+                rig_file::check_size(rig, [width, height])?;
+                rig.config()
+            }
+            None => self.search.config(footage.format.size.width)?,
+        };
+        let plan = rig.as_ref().map(Description::plan).transpose()?;
         let recorded = u32::try_from(footage.pairs.len()).context("the recording")?;
         let frames = self.frames.unwrap_or(recorded);
         let fits = u64::from(frames) * (width * height * 3) as u64 <= MOST_KEPT;
         let (method, wiring) = (self.method, footage.format.wiring);
         let keep = if fits { frames } else { recorded };
         let fault = self.fault.clone();
-        let request = Request { config, height, recorded, frames, keep, method, wiring, fault };
+        let request = Request { config, height, recorded, frames, keep, method, wiring, fault, plan };
         request.check()?;
         if let Some(path) = &self.output {
             output::check_writable("-o", path)?;
+        }
+        if let Some(path) = &self.obstacles {
+            output::check_writable("--obstacles", path)?;
         }
 
         let elf = self.elf.clone().map_or_else(elf::build, Ok)?;
@@ -159,22 +180,44 @@ impl Args {
         let report = Report::read(&file("report.txt"))?;
         let maps = decode(fs::read(file("rows.bin")).context("the program left no results")?, [width, height])?;
         self.write(&maps)?;
-        let different = self.compare(&footage.pairs, &maps, &request)?;
-        let summary = self.summary(&request, &report, memory, maps.len(), different)?;
+        let expected = self.expected(&footage.pairs, &request)?;
+        let different = different(&maps, &expected, &request);
+        let mut summary = self.summary(&request, &report, memory, maps.len(), different)?;
+        if let Some(rig) = &rig {
+            let text = fs::read_to_string(file("obstacles.txt")).context("the program left no obstacles")?;
+            let found = obstacles::decode(&text)?;
+            let mut finder = ObstacleFinder::new(rig)?;
+            let expected: Vec<_> = expected.iter().map(|map| finder.find(map)).collect();
+            summary.obstacles_compared = Some(found.len());
+            let frames = (0..frames).filter(|frame| found.get(frame) != Some(&expected[(frame % recorded) as usize]));
+            summary.different_obstacles = frames.collect();
+            if let Some(path) = &self.obstacles {
+                let frames = found.into_iter().map(|(frame, nearest_mm)| FrameObstacles { frame: frame as usize, nearest_mm });
+                output::write(path, &finder.encode_csv(&frames.collect::<Vec<_>>())?)?;
+            }
+        }
         print(&if self.json { serde_json::to_string(&summary)? + "\n" } else { summary.text() })?;
         let damaged = request.damaged();
         let wrong: Vec<u32> = summary.different_frames.iter().copied().filter(|&f| Some(f) != damaged).collect();
         ensure!(wrong.is_empty(), Finding(format!("the map of frame {} is not the host's, byte for byte", wrong[0])));
+        let wrong = summary.different_obstacles.iter().find(|&&frame| Some(frame) != damaged);
+        ensure!(
+            wrong.is_none(),
+            Finding(format!("the obstacles of frame {} are not the host's", wrong.copied().unwrap_or_default()))
+        );
         Ok(())
     }
 
     /// All frames, in order, as the port stores them.
-    fn read(&self) -> Result<Footage> {
+    fn read(&self, rig: Option<&Description>) -> Result<Footage> {
         if let (Some(size), Some(file)) = (self.raw, &self.recording) {
-            return Footage::read(file, RawFormat { size, wiring: self.wiring.get_required()? });
+            return Footage::read(file, RawFormat { size, wiring: self.wiring.get_with(rig)? });
         }
         let first = if self.wiring.first == Some(Side::Right) { First::Right } else { First::Left };
-        let wiring = self.wiring.get()?.unwrap_or(Wiring::new(Kind::SideBySide, first));
+        let wiring = match rig {
+            Some(_) => self.wiring.get_with(rig)?,
+            None => self.wiring.get()?.unwrap_or(Wiring::new(Kind::SideBySide, first)),
+        };
         let mut pairs = self.read_pairs()?;
         let noise = self.noise;
         ensure!((0.0..=255.0).contains(&noise), "--noise {noise}: must be 0 to 255");
@@ -207,14 +250,11 @@ impl Args {
         Ok(())
     }
 
-    /// The frames whose maps are not the host's.
-    fn compare(&self, pairs: &[StereoPair], maps: &BTreeMap<u32, DisparityMap>, request: &Request) -> Result<Vec<u32>> {
+    /// What the host makes of the recording.
+    fn expected(&self, pairs: &[StereoPair], request: &Request) -> Result<Vec<DisparityMap>> {
         let mut method = self.method.build(request.config)?;
-        let expected: Vec<DisparityMap> =
-            pairs.iter().map(|pair| Ok(pipeline::run(&mut *method, pair)?.map)).collect::<Result<_>>()?;
-        let Request { frames, keep, recorded, .. } = *request;
-        let kept = (0..frames).filter(|&frame| frame < keep || frame >= frames.saturating_sub(keep));
-        Ok(kept.filter(|frame| maps.get(frame) != Some(&expected[(frame % recorded) as usize])).collect())
+        let offset = request.plan.map(|plan| plan.offset).unwrap_or_default();
+        pairs.iter().map(|pair| Ok(pipeline::run_paired(&mut *method, offset, pair)?.map)).collect()
     }
 
     fn summary(
@@ -261,8 +301,17 @@ impl Args {
             counters: report.counters().map(|(name, count)| (name.to_owned(), count)).collect(),
             compared,
             different_frames,
+            obstacles_compared: None,
+            different_obstacles: Vec::new(),
         })
     }
+}
+
+/// The frames whose maps are not the host's.
+fn different(maps: &BTreeMap<u32, DisparityMap>, expected: &[DisparityMap], request: &Request) -> Vec<u32> {
+    let Request { frames, keep, recorded, .. } = *request;
+    let kept = (0..frames).filter(|&frame| frame < keep || frame >= frames.saturating_sub(keep));
+    kept.filter(|frame| maps.get(frame) != Some(&expected[(frame % recorded) as usize])).collect()
 }
 
 /// The name for one of several maps.
@@ -308,11 +357,16 @@ impl Summary {
         );
         let counters: Vec<String> = self.counters.iter().map(|(name, count)| format!("{name} {count}")).collect();
         let _ = writeln!(text, "counters: {}", counters.join(", "));
-        let verdict = match self.different_frames.as_slice() {
-            [] => "all the same bytes as on the host".to_owned(),
+        let verdict = |different: &[u32], same: &str| match different {
+            [] => same.to_owned(),
             frames => format!("different from the host's: {frames:?}"),
         };
-        let _ = writeln!(text, "{} maps compared: {verdict}", self.compared);
+        let told = verdict(&self.different_frames, "all the same bytes as on the host");
+        let _ = writeln!(text, "{} maps compared: {told}", self.compared);
+        if let Some(compared) = self.obstacles_compared {
+            let told = verdict(&self.different_obstacles, "all as on the host");
+            let _ = writeln!(text, "obstacles of {compared} frames compared: {told}");
+        }
         text
     }
 }

@@ -4,6 +4,7 @@ pub mod elf;
 pub mod estimate;
 pub mod footage;
 pub mod machine;
+pub mod obstacles;
 pub mod rows;
 
 use std::collections::BTreeMap;
@@ -11,6 +12,7 @@ use std::path::Path;
 
 use anyhow::{Context, Result, ensure};
 use haarline::{Config, Stage, Wiring};
+use haarline_rig::Plan;
 
 use crate::method::MethodKind;
 
@@ -78,6 +80,8 @@ pub struct Request {
     pub wiring: Wiring,
     /// `KIND@FRAME`.
     pub fault: Option<String>,
+    /// The rig, whose offset holds and whose obstacles are looked for.
+    pub plan: Option<Plan>,
 }
 
 impl Request {
@@ -100,6 +104,22 @@ impl Request {
             format!("skew={}", wiring.skew.name()),
         ];
         arguments.extend(self.fault.iter().map(|fault| format!("fault={fault}")));
+        if let Some(plan) = &self.plan {
+            arguments.extend([
+                format!("offset_rows={}", plan.offset.rows),
+                format!("offset_columns={}", plan.offset.columns),
+                format!("focal_px_q8={}", plan.rig.focal_px_q8()),
+                format!("baseline_um={}", plan.rig.baseline_um()),
+                format!("camera_height_mm={}", plan.camera_height_mm),
+                // Its bits, so that it is the same to the last one.
+                format!("pitch_bits={}", plan.pitch_deg.to_bits().cast_signed()),
+                format!("lowest_mm={}", plan.lowest_mm),
+                format!("highest_mm={}", plan.highest_mm),
+                format!("sectors={}", plan.sectors),
+                format!("sector_deg={}", plan.reach.sector_deg),
+                format!("first_deg={}", plan.reach.first_deg),
+            ]);
+        }
         arguments
     }
 

@@ -4,9 +4,14 @@ use defmt_semihosting as _;
 use embassy_executor::{Executor, Spawner};
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use embassy_sync::zerocopy_channel::Channel;
-use haarline::{StereoMethod, Wiring};
-use haarline_firmware::ring::{From, RAW_ROWS, RESULT_ROWS, RawRow, ResultRow, SharedCounters, To};
+use embassy_time::Duration;
+use haarline::obstacle::MAX_SECTORS;
+use haarline::{Offset, Paired, Setup, StereoMethod, Wiring, blocks_for};
+use haarline_firmware::capture::Patience;
+use haarline_firmware::lookout::Lookout;
+use haarline_firmware::ring::{From, MAX_WIDTH, RAW_ROWS, RESULT_ROWS, RawRow, ResultRow, SharedCounters, To};
 use haarline_firmware::{capture, results, stack, vision};
+use semihosting::fs::File;
 use semihosting::{eprintln, process};
 use static_cell::{ConstStaticCell, StaticCell};
 
@@ -14,7 +19,12 @@ use crate::clock::TwinClock;
 use crate::options::Options;
 use crate::sink::FileSink;
 use crate::source::FileSource;
-use crate::{methods, time};
+use crate::{file, methods, obstacles, time};
+
+/// A camera that delivers nothing for so long is silent: three frames at 30 a second.
+pub const PATIENCE: Patience = Patience { within: Duration::from_millis(100), between: Duration::from_millis(100) };
+/// The method behind the rig's offset.
+type Behind = Paired<&'static mut dyn StereoMethod, { Offset::MAX_ROWS.unsigned_abs() as usize }, MAX_WIDTH>;
 
 /// What happened to the camera's frames.
 pub static COUNTERS: SharedCounters = SharedCounters::new();
@@ -24,6 +34,7 @@ static RAW_RING: ConstStaticCell<[RawRow; RAW_ROWS]> = ConstStaticCell::new([Raw
 static RESULT_RING: ConstStaticCell<[ResultRow; RESULT_ROWS]> = ConstStaticCell::new([ResultRow::EMPTY; RESULT_ROWS]);
 static RAW: StaticCell<Channel<'static, CriticalSectionRawMutex, RawRow>> = StaticCell::new();
 static RESULTS: StaticCell<Channel<'static, CriticalSectionRawMutex, ResultRow>> = StaticCell::new();
+static BEHIND: StaticCell<Behind> = StaticCell::new();
 static EXECUTOR: StaticCell<Executor> = StaticCell::new();
 
 /// What start-up makes for the tasks.
@@ -33,6 +44,13 @@ struct Parts {
     method: &'static mut dyn StereoMethod,
     source: FileSource,
     sink: FileSink,
+    watch: Option<Watch>,
+}
+
+/// The rig's eyes, and where goes what they see.
+struct Watch {
+    setup: Setup<MAX_SECTORS>,
+    file: File,
 }
 
 #[cortex_m_rt::entry]
@@ -60,13 +78,21 @@ fn start() -> Result<Parts, &'static str> {
     let core = cortex_m::Peripherals::take().ok_or("the peripherals are gone")?;
     time::start(core.SYST);
     let method = methods::build(&options, clock)?;
+    let (method, watch): (&'static mut dyn StereoMethod, _) = match &options.plan {
+        Some(plan) => {
+            let behind = Paired::new(method, plan.offset).map_err(|_| "the rig's offset is out of range")?;
+            let setup = plan.setup().ok_or("the rig has too many sectors")?;
+            (BEHIND.init(behind), Some(Watch { setup, file: file::create(file::OBSTACLES)? }))
+        }
+        None => (method, None),
+    };
     let source = FileSource::open(&options)?;
     let sink = FileSink::create(&options, clock, stack::high_water())?;
-    Ok(Parts { options, clock, method, source, sink })
+    Ok(Parts { options, clock, method, source, sink, watch })
 }
 
 fn spawn(spawner: Spawner, parts: Parts) {
-    let Parts { options, clock, method, source, sink } = parts;
+    let Parts { options, clock, method, source, sink, watch } = parts;
     let raw = RAW.init(Channel::new(RAW_RING.take()));
     let (raw_to, raw_from) = raw.split();
     let results = RESULTS.init(Channel::new(RESULT_RING.take()));
@@ -74,13 +100,13 @@ fn spawn(spawner: Spawner, parts: Parts) {
     let size = [options.config.width, u16::try_from(options.height).unwrap_or(u16::MAX)];
     // Each is spawned once, at start-up.
     spawner.spawn(capture_task(source, raw_to, options).unwrap());
-    spawner.spawn(vision_task(method, options.wiring, clock, raw_from, results_to).unwrap());
+    spawner.spawn(vision_task(method, options.wiring, clock, watch, raw_from, results_to).unwrap());
     spawner.spawn(results_task(results_from, sink, size).unwrap());
 }
 
 #[embassy_executor::task]
 async fn capture_task(source: FileSource, ring: To<RawRow>, options: Options) {
-    capture::capture(source, ring, &COUNTERS, options.raw_len, options.height).await;
+    capture::capture(source, ring, &COUNTERS, PATIENCE, options.raw_len, options.height).await;
 }
 
 #[embassy_executor::task]
@@ -88,10 +114,20 @@ async fn vision_task(
     method: &'static mut dyn StereoMethod,
     wiring: Wiring,
     clock: &'static TwinClock,
+    watch: Option<Watch>,
     raw: From<RawRow>,
     rows: To<ResultRow>,
 ) {
-    vision::vision(method, wiring, clock, raw, rows, &COUNTERS).await;
+    let lookout = watch.map(|Watch { setup, mut file }| {
+        let looking = Lookout::<MAX_SECTORS, { blocks_for(320) }, _>::new(&setup, move |sighting| {
+            obstacles::note(&mut file, &sighting);
+        });
+        looking.unwrap_or_else(|_| {
+            eprintln!("error: the rig's figures are out of range");
+            process::exit(1)
+        })
+    });
+    vision::vision(method, wiring, clock, lookout, raw, rows, &COUNTERS).await;
 }
 
 #[embassy_executor::task]

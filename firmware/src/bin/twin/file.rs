@@ -8,6 +8,8 @@ use semihosting::fs::File;
 pub const RAW: &CStr = c"raw.bin";
 /// Disparity rows.
 pub const ROWS: &CStr = c"rows.bin";
+/// Obstacles, a line a frame.
+pub const OBSTACLES: &CStr = c"obstacles.txt";
 /// What the run cost.
 pub const REPORT: &CStr = c"report.txt";
 

@@ -13,6 +13,8 @@ mod file;
 #[cfg(target_os = "none")]
 mod methods;
 #[cfg(target_os = "none")]
+mod obstacles;
+#[cfg(target_os = "none")]
 mod options;
 #[cfg(target_os = "none")]
 mod report;

@@ -1,8 +1,10 @@
 //! The command line, which the host gives by semihosting.
 
+use haarline::setup::Reach;
 use haarline::wiring::{First, Kind, Skew};
-use haarline::{Config, Wiring};
+use haarline::{Config, Offset, Rig, Wiring};
 use haarline_firmware::ring::{MAX_RAW, MAX_WIDTH};
+use haarline_rig::Plan;
 
 use crate::fault::Fault;
 
@@ -21,6 +23,8 @@ pub struct Options {
     pub method: Method,
     pub wiring: Wiring,
     pub fault: Option<Fault>,
+    /// The rig, if obstacles are looked for.
+    pub plan: Option<Plan>,
 }
 
 /// A stereo method, by its name on the host.
@@ -47,7 +51,9 @@ impl Options {
             wiring: Wiring::new(Kind::SideBySide, First::Left),
             method: Method::Lite,
             fault: None,
+            plan: None,
         };
+        let mut rig = RigFigures::default();
         for word in words {
             let (key, value) = word.split_once('=').ok_or("an argument is no key=value")?;
             let number = value.parse::<i32>().ok();
@@ -66,14 +72,81 @@ impl Options {
                 "skew" => options.wiring.skew = Skew::from_name(value).ok_or(bad)?,
                 "method" => options.method = Method::parse(value)?,
                 "fault" => options.fault = Some(value.parse()?),
-                _ => return Err("an argument is not known"),
+                _ => rig.take(key, number.ok_or(bad)?)?,
             }
         }
+        options.plan = rig.plan(&options)?;
         options.raw_len = options.wiring.row_bytes(options.config.width);
         if usize::from(options.config.width) > MAX_WIDTH || options.raw_len > MAX_RAW {
             return Err("the views are wider than 320 px");
         }
         Ok(options)
+    }
+}
+
+/// What the host tells of a rig, by name.
+#[derive(Default)]
+struct RigFigures {
+    /// In the order of [`Self::NAMES`]; all or none must be there.
+    figures: [i32; Self::NAMES.len()],
+    told: usize,
+}
+
+impl RigFigures {
+    /// The pitch, a float, comes as its bits, so that it is the host's to the last one.
+    const NAMES: [&'static str; 11] = [
+        "offset_rows",
+        "offset_columns",
+        "focal_px_q8",
+        "baseline_um",
+        "camera_height_mm",
+        "pitch_bits",
+        "lowest_mm",
+        "highest_mm",
+        "sectors",
+        "sector_deg",
+        "first_deg",
+    ];
+
+    fn take(&mut self, key: &str, value: i32) -> Result<(), &'static str> {
+        let nth = Self::NAMES.iter().position(|&name| name == key).ok_or("an argument is not known")?;
+        self.figures[nth] = value;
+        self.told += 1;
+        Ok(())
+    }
+
+    fn plan(&self, options: &Options) -> Result<Option<Plan>, &'static str> {
+        if self.told == 0 {
+            return Ok(None);
+        }
+        if self.told != Self::NAMES.len() {
+            return Err("of the rig's figures some are missing");
+        }
+        let [rows, columns, focal, baseline, camera_height_mm, pitch, lowest_mm, highest_mm, sectors, degrees, first] =
+            self.figures;
+        let plan = || {
+            Some(Plan {
+                config: options.config,
+                height: u16::try_from(options.height).ok()?,
+                wiring: options.wiring,
+                frame_rate_hz: 1,
+                exposure_lines: None,
+                offset: Offset { rows: rows.try_into().ok()?, columns: columns.try_into().ok()? },
+                rig: Rig::new(focal.try_into().ok()?, baseline.try_into().ok()?)?,
+                camera_height_mm,
+                pitch_deg: f32::from_bits(pitch.cast_unsigned()),
+                lowest_mm,
+                highest_mm,
+                sectors: sectors.try_into().ok()?,
+                reach: Reach {
+                    sector_deg: degrees.try_into().ok()?,
+                    first_deg: first.try_into().ok()?,
+                    nearest_cm: 0,
+                    farthest_cm: 0,
+                },
+            })
+        };
+        plan().map(Some).ok_or("the rig's figures are out of range")
     }
 }
 

@@ -1,12 +1,12 @@
 //! A camera made of a file: the recording is played from its beginning again until all frames are done.
 
 use embassy_time::Timer;
-use haarline_firmware::capture::SILENCE;
 use haarline_firmware::edge::{RowSource, SourceEvent};
 use semihosting::fs::File;
 use semihosting::io::{Read, Seek, SeekFrom};
 use semihosting::{eprintln, process};
 
+use crate::chip::PATIENCE;
 use crate::fault::{Fault, FaultKind};
 use crate::file;
 use crate::options::Options;
@@ -88,7 +88,7 @@ impl RowSource for FileSource {
             Some(FaultKind::Overrun) if row == middle => return SourceEvent::Overrun,
             Some(FaultKind::Short) if row == middle => return self.end_frame(),
             Some(FaultKind::Garbage) if (middle..middle + 8).contains(&row) => return self.noise(row, bytes),
-            Some(FaultKind::Stall) if row == middle => Timer::after(SILENCE * 3 / 2).await,
+            Some(FaultKind::Stall) if row == middle => Timer::after(PATIENCE.within * 3 / 2).await,
             Some(FaultKind::Long) if (self.height..self.height + self.height / 4).contains(&row) => {
                 return self.read(self.height - 1, bytes);
             }
