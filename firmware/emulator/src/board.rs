@@ -13,8 +13,9 @@ use rigless::machine::{Board, Target};
 use rigless::mcu::{Mcu, Operate};
 use rigless::snapshot::Store;
 use rigless::soc::stm32h743::Stm32h743;
+use rigless::soc::stm32h743::generated::tim2::{Register, cr1, sr};
 use rigless::soc::stm32h743::peripherals::usart;
-use rigless::soc::{Bus, Error};
+use rigless::soc::{Bus, Error, Layout};
 use rigless::time::VirtualNanos;
 
 use crate::camera::{Camera, FaultKind};
@@ -34,6 +35,10 @@ const MAVLINK: &str = "UART7";
 const BUSES: [usize; 2] = [0, 1];
 /// How long the sensors keep silent if that is the fault, ns.
 const SILENT: u64 = 300_000_000;
+/// TIM2 to TIM5, one after the other.
+const TIMERS: u64 = 0x4000_0000;
+const TIMERS_LEN: usize = 4;
+const TIMER_SIZE: u64 = 0x400;
 /// TIM3 pulses the sensors' trigger pins, by the order of the part's timers.
 const TRIGGER_TIMER: usize = 1;
 
@@ -110,6 +115,23 @@ impl Rig {
         dcmi.trigger(period, &mut context);
     }
 
+    /// The program has written there. A timer that stands still matches nothing: rigless raises the compare
+    /// flags of all channels whose value its counter is set to, by a write or an update, and the HAL's clock
+    /// would begin half a lap ahead of its timer and miss alarms.
+    pub fn written(&mut self, address: u64) {
+        let Some(offset) = address.checked_sub(TIMERS) else { return };
+        let (nth, offset) = ((offset / TIMER_SIZE) as usize, offset % TIMER_SIZE);
+        let sets_count = [Register::Egr, Register::Cnt].iter().any(|set| u64::from(set.spec().offset) == offset);
+        if nth >= TIMERS_LEN || !sets_count {
+            return;
+        }
+        let (_, registers) = self.chip.part.timer(nth);
+        if !cr1::CEN.is_set(registers.get(Register::Cr1)) {
+            let flags = [sr::CC1IF, sr::CC2IF, sr::CC3IF, sr::CC4IF].iter().fold(0, |flags, flag| flags | flag.mask());
+            registers.set(Register::Sr, registers.get(Register::Sr) & !flags);
+        }
+    }
+
     fn config(&self) -> Config {
         let clock = NonZeroU64::new(CLOCK).expect("it runs");
         let core = Core {
@@ -161,5 +183,35 @@ impl Board for Rig {
     fn targets(&mut self) -> Vec<Target<'_>> {
         let core = self.config().spec();
         vec![Target::new("stm32h743", &mut self.chip, core)]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use rigless::soc::Width;
+
+    use super::*;
+
+    const TIM4: u64 = 0x4000_0800;
+    /// `RCC_APB1LENR`, in which bit 2 gives TIM4 its clock.
+    const CLOCKS: u64 = 0x5802_44E8;
+
+    fn write(rig: &mut Rig, address: u64, value: u64) {
+        rig.chip.write(VirtualNanos(0), address, Width::W32, value).unwrap();
+        rig.written(address);
+    }
+
+    #[test]
+    fn a_timer_that_stands_still_matches_nothing() {
+        let mut rig = Rig::new(Camera::new(Vec::new(), [0, 0], 0, None).unwrap()).unwrap();
+        let at = |register: Register| TIM4 + u64::from(register.spec().offset);
+        let flags = |rig: &mut Rig| rig.chip.read(VirtualNanos(0), at(Register::Sr), Width::W32).unwrap();
+        write(&mut rig, CLOCKS, 1 << 2);
+        write(&mut rig, at(Register::Cnt), 0);
+        write(&mut rig, at(Register::Egr), 1);
+        assert_eq!(flags(&mut rig), 1, "the update alone");
+        write(&mut rig, at(Register::Cr1), 1);
+        write(&mut rig, at(Register::Cnt), 0);
+        assert_eq!(flags(&mut rig) & 0x1E, 0x1E, "all values are 0");
     }
 }

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::Path;
 
 use anyhow::{Context, Result};
-use rigless::emulator::{self, Driver, Host, Start, Stop};
+use rigless::emulator::{self, AccessKind, Driver, Host, Settled, Start, Stop};
 use rigless::image::Image;
 use rigless::session::Session;
 use rigless::time::VirtualNanos;
@@ -38,6 +38,14 @@ struct Watcher {
 }
 
 impl Driver<Rig> for Watcher {
+    fn on_settled(&mut self, session: &mut Session<Rig>, _host: &mut dyn Host, settled: Settled) {
+        if let Settled::Access { access, .. } = settled
+            && access.kind == AccessKind::Write
+        {
+            session.board_mut().written(access.address);
+        }
+    }
+
     fn on_stop(&mut self, session: &mut Session<Rig>, stop: Stop, host: &mut dyn Host) -> Option<VirtualNanos> {
         self.instructions = stop.instruction_count;
         let now = stop.at;
