@@ -12,6 +12,7 @@ mod rtt;
 mod run;
 mod sensor;
 mod symbols;
+mod watchdog;
 mod wire;
 
 use std::fs;

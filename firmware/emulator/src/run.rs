@@ -5,9 +5,10 @@ use std::fs;
 use std::path::Path;
 
 use anyhow::{Context, Result};
+use rigless::device::ResetCause;
 use rigless::emulator::{self, AccessKind, Driver, Host, Settled, Start, Stop};
 use rigless::image::Image;
-use rigless::session::Session;
+use rigless::session::{Reset, Session};
 use rigless::time::VirtualNanos;
 
 use crate::board::{CLOCK, Rig};
@@ -31,14 +32,28 @@ pub struct Outcome {
 
 struct Watcher {
     rtt: Rtt,
+    /// Resets so far.
+    resets: usize,
     limit: u64,
     tail: u64,
     /// Instructions in the end.
     instructions: u64,
 }
 
+impl Watcher {
+    /// The part was reset, and no instruction ran since.
+    fn restart(&mut self, host: &mut dyn Host) {
+        // Memory that nobody can read is a program without a log yet.
+        let _ = self.rtt.restart(host);
+    }
+}
+
 impl Driver<Rig> for Watcher {
-    fn on_settled(&mut self, session: &mut Session<Rig>, _host: &mut dyn Host, settled: Settled) {
+    fn on_settled(&mut self, session: &mut Session<Rig>, host: &mut dyn Host, settled: Settled) {
+        while self.resets < session.resets().len() {
+            self.resets += 1;
+            self.restart(host);
+        }
         if let Settled::Access { access, .. } = settled
             && access.kind == AccessKind::Write
         {
@@ -67,13 +82,15 @@ pub fn run(elf: &Path, camera: Camera, limit: u64, tail: u64) -> Result<Outcome>
     let block = symbols::control_block(&program).with_context(name)?;
     let images = [Image::read(elf, None).with_context(name)?];
     let session = Session::new(Box::new(Rig::new(camera)?), 0, VirtualNanos(LOOK))?;
-    let watcher = Watcher { rtt: Rtt::new(block), limit, tail, instructions: 0 };
+    let rtt = Rtt::new(block);
+    let watcher = Watcher { rtt, resets: 0, limit, tail, instructions: 0 };
     let finished = emulator::run(session, &Start::new(&images), watcher)?;
     let (session, watcher) = (finished.session, finished.driver);
     let board = session.board();
     let heard = |wire: &crate::wire::Heard| wire.lock().expect("nobody panics").clone();
     let (rows, mavlink) = (heard(&board.rows), heard(&board.mavlink));
-    let log = log::text(&program, &watcher.rtt.bytes).with_context(name)?;
+    let resets: Vec<String> = session.resets().iter().map(told).collect();
+    let log = log::text(&program, &watcher.rtt.runs, &resets).with_context(name)?;
 
     let mut text = String::new();
     let dcmi = &board.chip.dcmi;
@@ -86,9 +103,10 @@ pub fn run(elf: &Path, camera: Camera, limit: u64, tail: u64) -> Result<Outcome>
         CLOCK / 1_000_000
     );
     let _ = writeln!(text, "frames shown {}, words stored {}, FIFO overruns {}", dcmi.frame, dcmi.words, dcmi.overruns);
-    let _ = writeln!(text, "bytes: rows {}, MAVLink {}, log {}", rows.len(), mavlink.len(), watcher.rtt.bytes.len());
-    for reset in session.resets() {
-        let _ = writeln!(text, "reset: {reset:?}");
+    let logged: usize = watcher.rtt.runs.iter().map(Vec::len).sum();
+    let _ = writeln!(text, "bytes: rows {}, MAVLink {}, log {logged}", rows.len(), mavlink.len());
+    for reset in resets {
+        let _ = writeln!(text, "{reset}");
     }
     for told in session.told() {
         let _ = writeln!(text, "told: {told:?}");
@@ -101,4 +119,17 @@ pub fn run(elf: &Path, camera: Camera, limit: u64, tail: u64) -> Result<Outcome>
         let _ = writeln!(text, "unmapped: {access:?}");
     }
     Ok(Outcome { rows, mavlink, log, text, is_fatal: !unmapped.is_empty() })
+}
+
+fn ms(at: VirtualNanos) -> String {
+    format!("{}.{:03} ms", at.0 / LOOK, at.0 % LOOK / 1000)
+}
+
+fn told(reset: &Reset) -> String {
+    let cause = match reset.cause {
+        ResetCause::Core => "the program itself".to_owned(),
+        ResetCause::Model("IWDG") => "the watchdog".to_owned(),
+        other => format!("{other:?}"),
+    };
+    format!("reset at {} by {cause}", ms(reset.at))
 }
