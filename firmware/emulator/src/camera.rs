@@ -11,7 +11,7 @@ pub const SENSOR_LINES: [usize; 2] = [244, 324];
 /// The grey level around the dump.
 const BORDER: u8 = 0x40;
 
-/// What can go wrong, all in the middle of the frame.
+/// What can go wrong: with the camera, all in the middle of the frame, or with the program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FaultKind {
     /// The frame ends after half of its lines.
@@ -26,6 +26,23 @@ pub enum FaultKind {
     Garbage,
     /// No sensor answers on I2C for 300 ms.
     Silent,
+    /// The vision task stands still for ever.
+    Hang,
+    /// The vision task meets an instruction that is none.
+    Crash,
+}
+
+impl FaultKind {
+    const NAMES: [(&str, Self); 8] = [
+        ("short", Self::Short),
+        ("long", Self::Long),
+        ("overrun", Self::Overrun),
+        ("stall", Self::Stall),
+        ("garbage", Self::Garbage),
+        ("silent", Self::Silent),
+        ("hang", Self::Hang),
+        ("crash", Self::Crash),
+    ];
 }
 
 /// One fault in one frame.
@@ -42,14 +59,8 @@ impl FromStr for Fault {
 
     fn from_str(text: &str) -> Result<Self, String> {
         let (kind, frame) = text.split_once('@').unwrap_or((text, "0"));
-        let kind = match kind {
-            "short" => FaultKind::Short,
-            "long" => FaultKind::Long,
-            "overrun" => FaultKind::Overrun,
-            "stall" => FaultKind::Stall,
-            "garbage" => FaultKind::Garbage,
-            "silent" => FaultKind::Silent,
-            _ => return Err("must be short, long, overrun, stall, garbage or silent".to_owned()),
+        let Some(&(_, kind)) = FaultKind::NAMES.iter().find(|(name, _)| *name == kind) else {
+            return Err(format!("must be one of {}", FaultKind::NAMES.map(|(name, _)| name).join(", ")));
         };
         Ok(Self { kind, frame: frame.parse().map_err(|_| "the frame must be a number".to_owned())? })
     }
@@ -78,14 +89,17 @@ impl Camera {
             SENSOR_LINES[0]
         );
         let frame = 2 * width * height;
-        ensure!(dump.is_empty() || dump.len() % frame == 0, "the dump holds no whole number of frames of that size");
+        ensure!(
+            dump.is_empty() || dump.len().is_multiple_of(frame),
+            "the dump holds no whole number of frames of that size"
+        );
         let recorded = dump.len().checked_div(frame).unwrap_or(0);
         Ok(Self { dump, width, height, recorded, frames: if recorded == 0 { 0 } else { frames }, fault, noise: 1 })
     }
 
-    /// What goes wrong in that frame.
+    /// What goes wrong with that frame.
     pub fn trouble(&self, frame: u32) -> Option<FaultKind> {
-        self.fault.filter(|fault| fault.frame == frame && fault.kind != FaultKind::Silent).map(|fault| fault.kind)
+        self.fault.filter(|fault| fault.frame == frame).map(|fault| fault.kind)
     }
 
     /// Lines of that frame, where a good one has `lines`.
@@ -142,6 +156,7 @@ mod tests {
     fn faults_have_names_and_a_frame() {
         assert_eq!("long@3".parse(), Ok(Fault { kind: FaultKind::Long, frame: 3 }));
         assert_eq!("silent".parse(), Ok(Fault { kind: FaultKind::Silent, frame: 0 }));
+        assert_eq!("hang@1".parse(), Ok(Fault { kind: FaultKind::Hang, frame: 1 }));
         assert!("flood@1".parse::<Fault>().is_err());
     }
 }

@@ -96,6 +96,11 @@ impl Dcmi {
         }
     }
 
+    /// Frames that have begun, whether they have ended or not.
+    pub fn begun(&self) -> u32 {
+        self.frame + u32::from(self.at != At::Blank)
+    }
+
     /// Whether all frames were shown.
     pub fn is_over(&self) -> bool {
         self.frame >= self.camera.frames && self.at == At::Blank

@@ -11,6 +11,7 @@ mod log;
 mod rtt;
 mod run;
 mod sensor;
+mod strike;
 mod symbols;
 mod watchdog;
 mod wire;
@@ -39,7 +40,9 @@ struct Args {
     /// Frames to play
     #[arg(long, default_value_t = 2, value_name = "N")]
     frames: u32,
-    /// One fault: short, long, overrun, stall, garbage@FRAME, or silent (no sensor answers for 300 ms)
+    /// One fault: of the camera short, long, overrun, stall, garbage@FRAME, or silent (no sensor answers for
+    /// 300 ms); of the program, which works on no row from that frame on until the part is reset, hang or
+    /// crash@FRAME
     #[arg(long, value_name = "KIND[@FRAME]")]
     fault: Option<Fault>,
     /// Where the bytes of the first serial port go: row packets

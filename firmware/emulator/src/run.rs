@@ -14,6 +14,7 @@ use rigless::time::VirtualNanos;
 use crate::board::{CLOCK, Rig};
 use crate::camera::Camera;
 use crate::rtt::Rtt;
+use crate::strike::Strike;
 use crate::{log, symbols};
 
 /// How often the log is read and the trigger looked at, ns.
@@ -32,12 +33,17 @@ pub struct Outcome {
 
 struct Watcher {
     rtt: Rtt,
+    strike: Option<Strike>,
+    /// When it struck.
+    struck: Option<VirtualNanos>,
     /// Resets so far.
     resets: usize,
     limit: u64,
     tail: u64,
     /// Instructions in the end.
     instructions: u64,
+    /// Why the run cannot go on.
+    failed: Option<anyhow::Error>,
 }
 
 impl Watcher {
@@ -45,6 +51,17 @@ impl Watcher {
     fn restart(&mut self, host: &mut dyn Host) {
         // Memory that nobody can read is a program without a log yet.
         let _ = self.rtt.restart(host);
+        if let Some(Err(error)) = self.strike.as_mut().map(|strike| strike.heal(host)) {
+            self.failed = Some(error.into());
+        }
+    }
+
+    fn strike(&mut self, begun: u32, now: VirtualNanos, host: &mut dyn Host) {
+        match self.strike.as_mut().map(|strike| strike.look(begun, host)) {
+            Some(Ok(true)) => self.struck = Some(now),
+            Some(Err(error)) => self.failed = Some(error),
+            _ => {}
+        }
     }
 }
 
@@ -54,10 +71,12 @@ impl Driver<Rig> for Watcher {
             self.resets += 1;
             self.restart(host);
         }
-        if let Settled::Access { access, .. } = settled
-            && access.kind == AccessKind::Write
-        {
-            session.board_mut().written(access.address);
+        match settled {
+            Settled::Access { access, .. } if access.kind == AccessKind::Write => {
+                session.board_mut().written(access.address);
+            }
+            Settled::Stop(stop) => self.strike(session.board().chip.dcmi.begun(), stop.at, host),
+            _ => {}
         }
     }
 
@@ -70,7 +89,7 @@ impl Driver<Rig> for Watcher {
         board.look(now);
         let dcmi = &board.chip.dcmi;
         let shown = dcmi.ended.filter(|_| dcmi.is_over()).map(|ended| ended.0 + self.tail * LOOK);
-        let end = [shown, Some(self.limit * LOOK)].into_iter().flatten().min();
+        let end = [shown, Some(self.limit * LOOK)].into_iter().flatten().min().filter(|_| self.failed.is_none());
         (end > Some(now.0)).then(|| VirtualNanos((now.0 / LOOK + 1) * LOOK))
     }
 }
@@ -81,11 +100,15 @@ pub fn run(elf: &Path, camera: Camera, limit: u64, tail: u64) -> Result<Outcome>
     let program = fs::read(elf).with_context(name)?;
     let block = symbols::control_block(&program).with_context(name)?;
     let images = [Image::read(elf, None).with_context(name)?];
+    let strike = Strike::new(camera.fault, &program).with_context(name)?;
     let session = Session::new(Box::new(Rig::new(camera)?), 0, VirtualNanos(LOOK))?;
     let rtt = Rtt::new(block);
-    let watcher = Watcher { rtt, resets: 0, limit, tail, instructions: 0 };
+    let watcher = Watcher { rtt, strike, struck: None, resets: 0, limit, tail, instructions: 0, failed: None };
     let finished = emulator::run(session, &Start::new(&images), watcher)?;
     let (session, watcher) = (finished.session, finished.driver);
+    if let Some(error) = watcher.failed {
+        return Err(error);
+    }
     let board = session.board();
     let heard = |wire: &crate::wire::Heard| wire.lock().expect("nobody panics").clone();
     let (rows, mavlink) = (heard(&board.rows), heard(&board.mavlink));
@@ -105,6 +128,11 @@ pub fn run(elf: &Path, camera: Camera, limit: u64, tail: u64) -> Result<Outcome>
     let _ = writeln!(text, "frames shown {}, words stored {}, FIFO overruns {}", dcmi.frame, dcmi.words, dcmi.overruns);
     let logged: usize = watcher.rtt.runs.iter().map(Vec::len).sum();
     let _ = writeln!(text, "bytes: rows {}, MAVLink {}, log {logged}", rows.len(), mavlink.len());
+    match watcher.struck {
+        Some(at) => _ = writeln!(text, "the program was struck at {}", ms(at)),
+        None if watcher.strike.is_some() => text.push_str("the frame in which the program is struck never came\n"),
+        None => {}
+    }
     for reset in resets {
         let _ = writeln!(text, "{reset}");
     }
