@@ -1,4 +1,8 @@
 //! What the cameras show: a dump in the middle of two HM01B0 views, line by line, with one fault.
+//!
+//! A raw row of the dump is played as it is in the middle of a line, in the time of its pixels. So it may be
+//! of every wiring that has two bytes on one line for a pixel of both views: pixels by turns, their nibbles,
+//! or one view after the other, if the program takes them apart alike. What it is nobody checks.
 
 use std::str::FromStr;
 
@@ -66,7 +70,7 @@ impl FromStr for Fault {
     }
 }
 
-/// The pixels of both cameras as the multiplexer puts them onto one port.
+/// The bytes of both cameras on one port.
 #[derive(Debug)]
 pub struct Camera {
     dump: Vec<u8>,
@@ -81,7 +85,7 @@ pub struct Camera {
 }
 
 impl Camera {
-    /// Plays `dump`, raw rows of two views each `width` x `height` px in pixel-interleaved order.
+    /// Plays `dump`, raw rows of two views of `width` x `height` px.
     pub fn new(dump: Vec<u8>, [width, height]: [usize; 2], frames: u32, fault: Option<Fault>) -> Result<Self> {
         ensure!(
             width <= SENSOR_WIDTH && width % 2 == 0 && height <= SENSOR_LINES[0],

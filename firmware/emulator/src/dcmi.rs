@@ -101,6 +101,11 @@ impl Dcmi {
         self.frame + u32::from(self.at != At::Blank)
     }
 
+    /// On how many lines each sensor gives a pixel.
+    pub fn bits(&self) -> [Option<u8>; 2] {
+        self.sensors.each_ref().map(|sensor| sensor.lock().expect("nobody panics").bits())
+    }
+
     /// Whether all frames were shown.
     pub fn is_over(&self) -> bool {
         self.frame >= self.camera.frames && self.at == At::Blank
@@ -128,7 +133,7 @@ impl Dcmi {
     /// Lines of a good frame, time of a line, and time of its pixels.
     fn timing(&self) -> (usize, u64, u64) {
         let sensor = self.sensors[0].lock().expect("nobody panics");
-        let nanos = |clocks: u64| clocks * 1_000_000_000 / sensor.pixel_clock();
+        let nanos = |clocks: u64| clocks * 1_000_000_000 / sensor.pixel_rate();
         let lines = SENSOR_LINES[usize::from(!sensor.has_window())];
         (lines, nanos(sensor.line_length().max(SENSOR_WIDTH as u64 + 8)), nanos(SENSOR_WIDTH as u64))
     }

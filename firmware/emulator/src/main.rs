@@ -1,6 +1,9 @@
 //! The unmodified program of the board on an emulated STM32H743, with two HM01B0 cameras that play a
 //! raw dump of `haarline record`.
 //!
+//! The log that it leaves goes on over resets, each with a line that says when and by whom; so do the bytes
+//! of the serial ports.
+//!
 //! What it is not: caches, wait states and bus contention are not emulated, every instruction takes a
 //! cycle of 480 MHz, DMA is instant. Time is virtual, so a run is the same run every time.
 
@@ -31,13 +34,14 @@ struct Args {
     /// The program, an ELF file
     elf: PathBuf,
     /// Raw dump that the cameras play, frame after frame and from its beginning again; without one
-    /// nothing is seen
+    /// nothing is seen. Of every wiring with two bytes on one line for a pixel of both views
     #[arg(long, value_name = "FILE", requires = "size")]
     raw: Option<PathBuf>,
     /// Size of one view in the dump, px; the sensors show it in the middle of theirs
     #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = size)]
     size: Option<[usize; 2]>,
-    /// Frames to play
+    /// Frames to play. They go on while the program stands still: with a watchdog of 2 s and 5 frames a second
+    /// nobody sees the next ten
     #[arg(long, default_value_t = 2, value_name = "N")]
     frames: u32,
     /// One fault: of the camera short, long, overrun, stall, garbage@FRAME, or silent (no sensor answers for

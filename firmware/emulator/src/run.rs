@@ -126,6 +126,8 @@ pub fn run(elf: &Path, camera: Camera, limit: u64, tail: u64) -> Result<Outcome>
         CLOCK / 1_000_000
     );
     let _ = writeln!(text, "frames shown {}, words stored {}, FIFO overruns {}", dcmi.frame, dcmi.words, dcmi.overruns);
+    let bits = dcmi.bits().map(|bits| bits.map_or("unknown".to_owned(), |bits| bits.to_string()));
+    let _ = writeln!(text, "bits of the sensors: {}", bits.join(" and "));
     let logged: usize = watcher.rtt.runs.iter().map(Vec::len).sum();
     let _ = writeln!(text, "bytes: rows {}, MAVLink {}, log {logged}", rows.len(), mavlink.len());
     match watcher.struck {
