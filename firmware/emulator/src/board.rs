@@ -4,7 +4,7 @@ use std::num::{NonZeroU32, NonZeroU64};
 use std::sync::{Arc, Mutex};
 
 use rigless::cpu::armv7m::windows;
-use rigless::device::{ErasedDevice, ResetCause};
+use rigless::device::{Device, ErasedDevice, ResetCause};
 use rigless::edge::Pulse;
 use rigless::machine::armv7m::{
     BranchPrediction, Caches, Config, Core, Fpu, ImplementationRegister, MpuRegions, Variant,
@@ -13,13 +13,15 @@ use rigless::machine::{Board, Target};
 use rigless::mcu::{Mcu, Operate};
 use rigless::snapshot::Store;
 use rigless::soc::stm32h743::Stm32h743;
+use rigless::soc::stm32h743::generated::tim2::{Register, cr1, sr};
 use rigless::soc::stm32h743::peripherals::usart;
-use rigless::soc::{Bus, Error};
+use rigless::soc::{Bus, Error, Layout};
 use rigless::time::VirtualNanos;
 
 use crate::camera::{Camera, FaultKind};
 use crate::dcmi::Dcmi;
 use crate::sensor::{Registers, Sensor};
+use crate::watchdog::Watchdog;
 use crate::wire::{Heard, Wire};
 
 /// Core clock, and instructions a second: one a cycle.
@@ -34,15 +36,21 @@ const MAVLINK: &str = "UART7";
 const BUSES: [usize; 2] = [0, 1];
 /// How long the sensors keep silent if that is the fault, ns.
 const SILENT: u64 = 300_000_000;
+/// TIM2 to TIM5, one after the other.
+const TIMERS: u64 = 0x4000_0000;
+const TIMERS_LEN: usize = 4;
+const TIMER_SIZE: u64 = 0x400;
 /// TIM3 pulses the sensors' trigger pins, by the order of the part's timers.
 const TRIGGER_TIMER: usize = 1;
 
-/// The part, with a camera interface of ours.
+/// The part, with a camera interface and a watchdog of ours.
 #[derive(Debug)]
 pub struct Chip {
     pub part: Stm32h743,
     pub dcmi: Dcmi,
-    slot: usize,
+    watchdog: Watchdog,
+    dcmi_slot: usize,
+    watchdog_slot: usize,
 }
 
 impl Mcu for Chip {
@@ -56,7 +64,9 @@ impl Mcu for Chip {
 
     fn reset(&mut self, at: VirtualNanos, cause: ResetCause) {
         self.part.reset(at, cause);
-        self.dcmi.restarted();
+        Device::reset(&mut self.watchdog);
+        let (registers, mut context) = self.part.bus_mut().drive(at, self.dcmi_slot);
+        self.dcmi.restarted(registers, &mut context);
     }
 
     fn poll(&mut self, now: VirtualNanos) {
@@ -64,10 +74,12 @@ impl Mcu for Chip {
     }
 
     fn split(&mut self, slot: usize) -> (&mut Bus, Option<&mut dyn ErasedDevice>) {
-        if slot == self.slot {
-            return (self.part.bus_mut(), Some(&mut self.dcmi));
-        }
-        self.part.split(slot)
+        let ours: &mut dyn ErasedDevice = match slot {
+            _ if slot == self.dcmi_slot => &mut self.dcmi,
+            _ if slot == self.watchdog_slot => &mut self.watchdog,
+            _ => return self.part.split(slot),
+        };
+        (self.part.bus_mut(), Some(ours))
     }
 }
 
@@ -95,9 +107,9 @@ impl Rig {
         for (bus, sensor) in BUSES.into_iter().zip(&sensors) {
             part.i2c[bus].attach(Sensor::new(Arc::clone(sensor), if is_silent { SILENT } else { 0 }));
         }
-        let slot = part.bus().slot("DCMI")?;
-        let dcmi = Dcmi::new(camera, sensors);
-        Ok(Self { chip: Chip { part, dcmi, slot }, rows, mavlink })
+        let [dcmi_slot, watchdog_slot] = [part.bus().slot("DCMI")?, part.bus().slot("IWDG")?];
+        let (dcmi, watchdog) = (Dcmi::new(camera, sensors), Watchdog::default());
+        Ok(Self { chip: Chip { part, dcmi, watchdog, dcmi_slot, watchdog_slot }, rows, mavlink })
     }
 
     /// Looks at the trigger pin.
@@ -105,9 +117,26 @@ impl Rig {
         let (timer, registers) = self.chip.part.timer(TRIGGER_TIMER);
         let channel = rigless::soc::stm32h743::peripherals::tim::Channel::new(1).expect("a timer has it");
         let period = timer.pulse(channel, registers).map(|Pulse { period, .. }| period);
-        let Chip { part, dcmi, slot } = &mut self.chip;
-        let (_, mut context) = part.bus_mut().drive(now, *slot);
+        let Chip { part, dcmi, dcmi_slot, .. } = &mut self.chip;
+        let (_, mut context) = part.bus_mut().drive(now, *dcmi_slot);
         dcmi.trigger(period, &mut context);
+    }
+
+    /// The program has written there. A timer that stands still matches nothing: rigless raises the compare
+    /// flags of all channels whose value its counter is set to, by a write or an update, and the HAL's clock
+    /// would begin half a lap ahead of its timer and miss alarms.
+    pub fn written(&mut self, address: u64) {
+        let Some(offset) = address.checked_sub(TIMERS) else { return };
+        let (nth, offset) = ((offset / TIMER_SIZE) as usize, offset % TIMER_SIZE);
+        let sets_count = [Register::Egr, Register::Cnt].iter().any(|set| u64::from(set.spec().offset) == offset);
+        if nth >= TIMERS_LEN || !sets_count {
+            return;
+        }
+        let (_, registers) = self.chip.part.timer(nth);
+        if !cr1::CEN.is_set(registers.get(Register::Cr1)) {
+            let flags = [sr::CC1IF, sr::CC2IF, sr::CC3IF, sr::CC4IF].iter().fold(0, |flags, flag| flags | flag.mask());
+            registers.set(Register::Sr, registers.get(Register::Sr) & !flags);
+        }
     }
 
     fn config(&self) -> Config {
@@ -161,5 +190,123 @@ impl Board for Rig {
     fn targets(&mut self) -> Vec<Target<'_>> {
         let core = self.config().spec();
         vec![Target::new("stm32h743", &mut self.chip, core)]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use rigless::emulator::{self, Memory};
+    use rigless::soc::Width;
+
+    use super::*;
+
+    const TIM4: u64 = 0x4000_0800;
+    const IWDG: u64 = 0x5800_4800;
+    /// `RCC_APB1LENR`, in which bit 2 gives TIM4 its clock, and `RCC_RSR` with the watchdog's flag.
+    const CLOCKS: u64 = 0x5802_44E8;
+    const RSR: u64 = 0x5802_44D0;
+    const IWDG1RSTF: u64 = 1 << 26;
+    const MS: u64 = 1_000_000;
+
+    /// None: nothing here asks for it.
+    struct NoMemory;
+
+    impl Memory for NoMemory {
+        fn read(&mut self, address: u64, width: Width) -> Result<u64, emulator::Error> {
+            Err(emulator::Error::Memory { address, width })
+        }
+
+        fn write(&mut self, address: u64, width: Width, _value: u64) -> Result<(), emulator::Error> {
+            Err(emulator::Error::Memory { address, width })
+        }
+    }
+
+    fn rig() -> Rig {
+        Rig::new(Camera::new(Vec::new(), [0, 0], 0, None).unwrap()).unwrap()
+    }
+
+    fn write(rig: &mut Rig, at: u64, address: u64, value: u64) {
+        run_until(rig, at);
+        rig.chip.write(VirtualNanos(at), address, Width::W32, value).unwrap();
+        rig.written(address);
+        rig.chip.settle(&mut NoMemory).unwrap();
+    }
+
+    fn read(rig: &mut Rig, address: u64) -> u64 {
+        rig.chip.read(VirtualNanos(0), address, Width::W32).unwrap()
+    }
+
+    /// When the part is reset up to `at`, and why.
+    fn run_until(rig: &mut Rig, at: u64) -> Option<(u64, ResetCause)> {
+        while let Some(next) = rig.chip.next_event().filter(|next| next.0 <= at) {
+            rig.chip.advance_to(next);
+            rig.chip.settle(&mut NoMemory).unwrap();
+            if let Some(cause) = rig.chip.take_reset_request() {
+                rig.chip.reset(next, cause);
+                return Some((next.0, cause));
+            }
+        }
+        None
+    }
+
+    #[test]
+    fn a_timer_that_stands_still_matches_nothing() {
+        let mut rig = rig();
+        let at = |register: Register| TIM4 + u64::from(register.spec().offset);
+        write(&mut rig, 0, CLOCKS, 1 << 2);
+        write(&mut rig, 0, at(Register::Cnt), 0);
+        write(&mut rig, 0, at(Register::Egr), 1);
+        assert_eq!(read(&mut rig, at(Register::Sr)), 1, "the update alone");
+        write(&mut rig, 0, at(Register::Cr1), 1);
+        write(&mut rig, 0, at(Register::Cnt), 0);
+        assert_eq!(read(&mut rig, at(Register::Sr)) & 0x1E, 0x1E, "all values are 0");
+    }
+
+    const KR: u64 = IWDG;
+    const PR: u64 = IWDG + 4;
+    const RLR: u64 = IWDG + 8;
+    const WINR: u64 = IWDG + 16;
+
+    /// A started one, for 2 s as the HAL sets it.
+    fn watched() -> Rig {
+        let mut rig = rig();
+        for (address, value) in [(PR, 7), (KR, 0x5555), (PR, 2), (RLR, 3999), (KR, 0xCCCC), (RLR, 1)] {
+            write(&mut rig, 0, address, value);
+        }
+        assert_eq!((read(&mut rig, PR), read(&mut rig, RLR), read(&mut rig, WINR)), (2, 3999, 0xFFF));
+        rig
+    }
+
+    #[test]
+    fn a_watchdog_that_nobody_feeds_resets_the_part() {
+        let mut rig = watched();
+        write(&mut rig, 10 * MS, KR, 0xAAAA);
+        for tenth in 1..30 {
+            write(&mut rig, tenth * 100 * MS, KR, 0xAAAA);
+        }
+        assert_eq!(run_until(&mut rig, 4_899 * MS), None);
+        let (at, cause) = run_until(&mut rig, 5_000 * MS).expect("it ends");
+        assert_eq!((at, cause), (4_900 * MS, ResetCause::Model("IWDG")));
+        assert_ne!(read(&mut rig, RSR) & IWDG1RSTF, 0);
+        assert_eq!(run_until(&mut rig, 9_000 * MS), None, "it has to be started again");
+    }
+
+    #[test]
+    fn an_unfed_watchdog_ends_from_its_first_value() {
+        let mut rig = watched();
+        let (at, _) = run_until(&mut rig, 3_000 * MS).expect("it ends");
+        // 4096 steps, after the LSI's start.
+        assert!((2_048 * MS..2_049 * MS).contains(&at), "{at}");
+    }
+
+    #[test]
+    fn a_watchdog_fed_before_its_window_resets_the_part() {
+        let mut rig = watched();
+        write(&mut rig, MS, KR, 0x5555);
+        write(&mut rig, MS, WINR, 2000);
+        write(&mut rig, 1_100 * MS, KR, 0xAAAA);
+        assert_eq!(rig.chip.take_reset_request(), None);
+        write(&mut rig, 2_000 * MS, KR, 0xAAAA);
+        assert_eq!(rig.chip.take_reset_request(), Some(ResetCause::Model("IWDG")));
     }
 }

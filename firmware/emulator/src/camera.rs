@@ -1,4 +1,8 @@
 //! What the cameras show: a dump in the middle of two HM01B0 views, line by line, with one fault.
+//!
+//! A raw row of the dump is played as it is in the middle of a line, in the time of its pixels. So it may be
+//! of every wiring that has two bytes on one line for a pixel of both views: pixels by turns, their nibbles,
+//! or one view after the other, if the program takes them apart alike. What it is nobody checks.
 
 use std::str::FromStr;
 
@@ -11,7 +15,7 @@ pub const SENSOR_LINES: [usize; 2] = [244, 324];
 /// The grey level around the dump.
 const BORDER: u8 = 0x40;
 
-/// What can go wrong, all in the middle of the frame.
+/// What can go wrong: with the camera, all in the middle of the frame, or with the program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FaultKind {
     /// The frame ends after half of its lines.
@@ -26,6 +30,23 @@ pub enum FaultKind {
     Garbage,
     /// No sensor answers on I2C for 300 ms.
     Silent,
+    /// The vision task stands still for ever.
+    Hang,
+    /// The vision task meets an instruction that is none.
+    Crash,
+}
+
+impl FaultKind {
+    const NAMES: [(&str, Self); 8] = [
+        ("short", Self::Short),
+        ("long", Self::Long),
+        ("overrun", Self::Overrun),
+        ("stall", Self::Stall),
+        ("garbage", Self::Garbage),
+        ("silent", Self::Silent),
+        ("hang", Self::Hang),
+        ("crash", Self::Crash),
+    ];
 }
 
 /// One fault in one frame.
@@ -42,20 +63,14 @@ impl FromStr for Fault {
 
     fn from_str(text: &str) -> Result<Self, String> {
         let (kind, frame) = text.split_once('@').unwrap_or((text, "0"));
-        let kind = match kind {
-            "short" => FaultKind::Short,
-            "long" => FaultKind::Long,
-            "overrun" => FaultKind::Overrun,
-            "stall" => FaultKind::Stall,
-            "garbage" => FaultKind::Garbage,
-            "silent" => FaultKind::Silent,
-            _ => return Err("must be short, long, overrun, stall, garbage or silent".to_owned()),
+        let Some(&(_, kind)) = FaultKind::NAMES.iter().find(|(name, _)| *name == kind) else {
+            return Err(format!("must be one of {}", FaultKind::NAMES.map(|(name, _)| name).join(", ")));
         };
         Ok(Self { kind, frame: frame.parse().map_err(|_| "the frame must be a number".to_owned())? })
     }
 }
 
-/// The pixels of both cameras as the multiplexer puts them onto one port.
+/// The bytes of both cameras on one port.
 #[derive(Debug)]
 pub struct Camera {
     dump: Vec<u8>,
@@ -70,7 +85,7 @@ pub struct Camera {
 }
 
 impl Camera {
-    /// Plays `dump`, raw rows of two views each `width` x `height` px in pixel-interleaved order.
+    /// Plays `dump`, raw rows of two views of `width` x `height` px.
     pub fn new(dump: Vec<u8>, [width, height]: [usize; 2], frames: u32, fault: Option<Fault>) -> Result<Self> {
         ensure!(
             width <= SENSOR_WIDTH && width % 2 == 0 && height <= SENSOR_LINES[0],
@@ -78,14 +93,17 @@ impl Camera {
             SENSOR_LINES[0]
         );
         let frame = 2 * width * height;
-        ensure!(dump.is_empty() || dump.len() % frame == 0, "the dump holds no whole number of frames of that size");
+        ensure!(
+            dump.is_empty() || dump.len().is_multiple_of(frame),
+            "the dump holds no whole number of frames of that size"
+        );
         let recorded = dump.len().checked_div(frame).unwrap_or(0);
         Ok(Self { dump, width, height, recorded, frames: if recorded == 0 { 0 } else { frames }, fault, noise: 1 })
     }
 
-    /// What goes wrong in that frame.
+    /// What goes wrong with that frame.
     pub fn trouble(&self, frame: u32) -> Option<FaultKind> {
-        self.fault.filter(|fault| fault.frame == frame && fault.kind != FaultKind::Silent).map(|fault| fault.kind)
+        self.fault.filter(|fault| fault.frame == frame).map(|fault| fault.kind)
     }
 
     /// Lines of that frame, where a good one has `lines`.
@@ -142,6 +160,7 @@ mod tests {
     fn faults_have_names_and_a_frame() {
         assert_eq!("long@3".parse(), Ok(Fault { kind: FaultKind::Long, frame: 3 }));
         assert_eq!("silent".parse(), Ok(Fault { kind: FaultKind::Silent, frame: 0 }));
+        assert_eq!("hang@1".parse(), Ok(Fault { kind: FaultKind::Hang, frame: 1 }));
         assert!("flood@1".parse::<Fault>().is_err());
     }
 }

@@ -43,7 +43,7 @@ pub struct Dcmi {
     sensors: [Arc<Mutex<Registers>>; 2],
     event: Option<(EventId, VirtualNanos)>,
     at: At,
-    /// Frames begun.
+    /// Frames that have ended.
     pub frame: u32,
     /// When the last one ended.
     pub ended: Option<VirtualNanos>,
@@ -85,13 +85,25 @@ impl Dcmi {
     pub fn trigger(&mut self, period: Option<VirtualNanos>, context: &mut DeviceContext<'_>) {
         match (period, self.trigger) {
             (Some(period), None) => {
-                let first = context.now().0 + period.0;
-                self.trigger = Some((first, period.0));
-                self.wait_until(first, context);
+                self.trigger = Some((context.now().0 + period.0, period.0));
+                // A frame that outlived a reset ends first.
+                if self.at == At::Blank {
+                    self.next_trigger(context);
+                }
             }
             (None, _) => self.trigger = None,
             _ => {}
         }
+    }
+
+    /// Frames that have begun, whether they have ended or not.
+    pub fn begun(&self) -> u32 {
+        self.frame + u32::from(self.at != At::Blank)
+    }
+
+    /// On how many lines each sensor gives a pixel.
+    pub fn bits(&self) -> [Option<u8>; 2] {
+        self.sensors.each_ref().map(|sensor| sensor.lock().expect("nobody panics").bits())
     }
 
     /// Whether all frames were shown.
@@ -99,12 +111,17 @@ impl Dcmi {
         self.frame >= self.camera.frames && self.at == At::Blank
     }
 
-    /// The part restarted: whatever was scheduled is gone.
-    pub fn restarted(&mut self) {
-        self.event = None;
-        self.trigger = None;
-        self.at = At::Blank;
+    /// The part restarted. Whatever was scheduled is gone, and the trigger stands still; a frame under way
+    /// goes on, and nobody stores it.
+    pub fn restarted(&mut self, registers: &mut RegisterFile, context: &mut DeviceContext<'_>) {
         self.switch_off();
+        self.trigger = None;
+        let event = self.event.take().filter(|_| self.at != At::Blank);
+        if let Some((_, at)) = event {
+            self.wait_until(at.0, context);
+        } else {
+            registers.set(Register::Sr, sr::HSYNC.mask() | sr::VSYNC.mask());
+        }
     }
 
     fn switch_off(&mut self) {
@@ -116,7 +133,7 @@ impl Dcmi {
     /// Lines of a good frame, time of a line, and time of its pixels.
     fn timing(&self) -> (usize, u64, u64) {
         let sensor = self.sensors[0].lock().expect("nobody panics");
-        let nanos = |clocks: u64| clocks * 1_000_000_000 / sensor.pixel_clock();
+        let nanos = |clocks: u64| clocks * 1_000_000_000 / sensor.pixel_rate();
         let lines = SENSOR_LINES[usize::from(!sensor.has_window())];
         (lines, nanos(sensor.line_length().max(SENSOR_WIDTH as u64 + 8)), nanos(SENSOR_WIDTH as u64))
     }
@@ -124,15 +141,20 @@ impl Dcmi {
     fn step(&mut self, registers: &mut RegisterFile, context: &mut DeviceContext<'_>) {
         let now = context.now().0;
         let (lines, line_time, pixel_time) = self.timing();
+        let is_armed = self.sensors.iter().all(|sensor| sensor.lock().expect("nobody panics").is_armed());
         let wait = match self.at {
             At::Blank => {
-                let armed = self.sensors.iter().all(|sensor| sensor.lock().expect("nobody panics").is_armed());
-                if !armed || self.frame >= self.camera.frames {
+                if !is_armed || self.frame >= self.camera.frames {
                     self.next_trigger(context);
                     return;
                 }
                 self.start(registers);
                 line_time
+            }
+            // A sensor that is reset shows nothing more.
+            At::Part(..) if !is_armed => {
+                self.at = At::End;
+                0
             }
             At::Part(line, 0) if line >= self.camera.lines(self.frame, lines) => {
                 self.at = At::End;
@@ -296,10 +318,6 @@ impl Device for Dcmi {
             self.event = None;
             self.step(registers, context);
         }
-    }
-
-    fn reset(&mut self) {
-        self.restarted();
     }
 
     fn reset_line(&mut self, registers: &mut RegisterFile, context: &mut DeviceContext<'_>) {

@@ -1,6 +1,9 @@
 //! The unmodified program of the board on an emulated STM32H743, with two HM01B0 cameras that play a
 //! raw dump of `haarline record`.
 //!
+//! The log that it leaves goes on over resets, each with a line that says when and by whom; so do the bytes
+//! of the serial ports.
+//!
 //! What it is not: caches, wait states and bus contention are not emulated, every instruction takes a
 //! cycle of 480 MHz, DMA is instant. Time is virtual, so a run is the same run every time.
 
@@ -11,7 +14,9 @@ mod log;
 mod rtt;
 mod run;
 mod sensor;
+mod strike;
 mod symbols;
+mod watchdog;
 mod wire;
 
 use std::fs;
@@ -29,16 +34,19 @@ struct Args {
     /// The program, an ELF file
     elf: PathBuf,
     /// Raw dump that the cameras play, frame after frame and from its beginning again; without one
-    /// nothing is seen
+    /// nothing is seen. Of every wiring with two bytes on one line for a pixel of both views
     #[arg(long, value_name = "FILE", requires = "size")]
     raw: Option<PathBuf>,
     /// Size of one view in the dump, px; the sensors show it in the middle of theirs
     #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = size)]
     size: Option<[usize; 2]>,
-    /// Frames to play
+    /// Frames to play. They go on while the program stands still: with a watchdog of 2 s and 5 frames a second
+    /// nobody sees the next ten
     #[arg(long, default_value_t = 2, value_name = "N")]
     frames: u32,
-    /// One fault: short, long, overrun, stall, garbage@FRAME, or silent (no sensor answers for 300 ms)
+    /// One fault: of the camera short, long, overrun, stall, garbage@FRAME, or silent (no sensor answers for
+    /// 300 ms); of the program, which works on no row from that frame on until the part is reset, hang or
+    /// crash@FRAME
     #[arg(long, value_name = "KIND[@FRAME]")]
     fault: Option<Fault>,
     /// Where the bytes of the first serial port go: row packets

@@ -5,14 +5,16 @@ use std::fs;
 use std::path::Path;
 
 use anyhow::{Context, Result};
-use rigless::emulator::{self, Driver, Host, Start, Stop};
+use rigless::device::ResetCause;
+use rigless::emulator::{self, AccessKind, Driver, Host, Settled, Start, Stop};
 use rigless::image::Image;
-use rigless::session::Session;
+use rigless::session::{Reset, Session};
 use rigless::time::VirtualNanos;
 
 use crate::board::{CLOCK, Rig};
 use crate::camera::Camera;
 use crate::rtt::Rtt;
+use crate::strike::Strike;
 use crate::{log, symbols};
 
 /// How often the log is read and the trigger looked at, ns.
@@ -31,13 +33,53 @@ pub struct Outcome {
 
 struct Watcher {
     rtt: Rtt,
+    strike: Option<Strike>,
+    /// When it struck.
+    struck: Option<VirtualNanos>,
+    /// Resets so far.
+    resets: usize,
     limit: u64,
     tail: u64,
     /// Instructions in the end.
     instructions: u64,
+    /// Why the run cannot go on.
+    failed: Option<anyhow::Error>,
+}
+
+impl Watcher {
+    /// The part was reset, and no instruction ran since.
+    fn restart(&mut self, host: &mut dyn Host) {
+        // Memory that nobody can read is a program without a log yet.
+        let _ = self.rtt.restart(host);
+        if let Some(Err(error)) = self.strike.as_mut().map(|strike| strike.heal(host)) {
+            self.failed = Some(error.into());
+        }
+    }
+
+    fn strike(&mut self, begun: u32, now: VirtualNanos, host: &mut dyn Host) {
+        match self.strike.as_mut().map(|strike| strike.look(begun, host)) {
+            Some(Ok(true)) => self.struck = Some(now),
+            Some(Err(error)) => self.failed = Some(error),
+            _ => {}
+        }
+    }
 }
 
 impl Driver<Rig> for Watcher {
+    fn on_settled(&mut self, session: &mut Session<Rig>, host: &mut dyn Host, settled: Settled) {
+        while self.resets < session.resets().len() {
+            self.resets += 1;
+            self.restart(host);
+        }
+        match settled {
+            Settled::Access { access, .. } if access.kind == AccessKind::Write => {
+                session.board_mut().written(access.address);
+            }
+            Settled::Stop(stop) => self.strike(session.board().chip.dcmi.begun(), stop.at, host),
+            _ => {}
+        }
+    }
+
     fn on_stop(&mut self, session: &mut Session<Rig>, stop: Stop, host: &mut dyn Host) -> Option<VirtualNanos> {
         self.instructions = stop.instruction_count;
         let now = stop.at;
@@ -47,7 +89,7 @@ impl Driver<Rig> for Watcher {
         board.look(now);
         let dcmi = &board.chip.dcmi;
         let shown = dcmi.ended.filter(|_| dcmi.is_over()).map(|ended| ended.0 + self.tail * LOOK);
-        let end = [shown, Some(self.limit * LOOK)].into_iter().flatten().min();
+        let end = [shown, Some(self.limit * LOOK)].into_iter().flatten().min().filter(|_| self.failed.is_none());
         (end > Some(now.0)).then(|| VirtualNanos((now.0 / LOOK + 1) * LOOK))
     }
 }
@@ -58,14 +100,20 @@ pub fn run(elf: &Path, camera: Camera, limit: u64, tail: u64) -> Result<Outcome>
     let program = fs::read(elf).with_context(name)?;
     let block = symbols::control_block(&program).with_context(name)?;
     let images = [Image::read(elf, None).with_context(name)?];
+    let strike = Strike::new(camera.fault, &program).with_context(name)?;
     let session = Session::new(Box::new(Rig::new(camera)?), 0, VirtualNanos(LOOK))?;
-    let watcher = Watcher { rtt: Rtt::new(block), limit, tail, instructions: 0 };
+    let rtt = Rtt::new(block);
+    let watcher = Watcher { rtt, strike, struck: None, resets: 0, limit, tail, instructions: 0, failed: None };
     let finished = emulator::run(session, &Start::new(&images), watcher)?;
     let (session, watcher) = (finished.session, finished.driver);
+    if let Some(error) = watcher.failed {
+        return Err(error);
+    }
     let board = session.board();
     let heard = |wire: &crate::wire::Heard| wire.lock().expect("nobody panics").clone();
     let (rows, mavlink) = (heard(&board.rows), heard(&board.mavlink));
-    let log = log::text(&program, &watcher.rtt.bytes).with_context(name)?;
+    let resets: Vec<String> = session.resets().iter().map(told).collect();
+    let log = log::text(&program, &watcher.rtt.runs, &resets).with_context(name)?;
 
     let mut text = String::new();
     let dcmi = &board.chip.dcmi;
@@ -78,9 +126,17 @@ pub fn run(elf: &Path, camera: Camera, limit: u64, tail: u64) -> Result<Outcome>
         CLOCK / 1_000_000
     );
     let _ = writeln!(text, "frames shown {}, words stored {}, FIFO overruns {}", dcmi.frame, dcmi.words, dcmi.overruns);
-    let _ = writeln!(text, "bytes: rows {}, MAVLink {}, log {}", rows.len(), mavlink.len(), watcher.rtt.bytes.len());
-    for reset in session.resets() {
-        let _ = writeln!(text, "reset: {reset:?}");
+    let bits = dcmi.bits().map(|bits| bits.map_or("unknown".to_owned(), |bits| bits.to_string()));
+    let _ = writeln!(text, "bits of the sensors: {}", bits.join(" and "));
+    let logged: usize = watcher.rtt.runs.iter().map(Vec::len).sum();
+    let _ = writeln!(text, "bytes: rows {}, MAVLink {}, log {logged}", rows.len(), mavlink.len());
+    match watcher.struck {
+        Some(at) => _ = writeln!(text, "the program was struck at {}", ms(at)),
+        None if watcher.strike.is_some() => text.push_str("the frame in which the program is struck never came\n"),
+        None => {}
+    }
+    for reset in resets {
+        let _ = writeln!(text, "{reset}");
     }
     for told in session.told() {
         let _ = writeln!(text, "told: {told:?}");
@@ -93,4 +149,17 @@ pub fn run(elf: &Path, camera: Camera, limit: u64, tail: u64) -> Result<Outcome>
         let _ = writeln!(text, "unmapped: {access:?}");
     }
     Ok(Outcome { rows, mavlink, log, text, is_fatal: !unmapped.is_empty() })
+}
+
+fn ms(at: VirtualNanos) -> String {
+    format!("{}.{:03} ms", at.0 / LOOK, at.0 % LOOK / 1000)
+}
+
+fn told(reset: &Reset) -> String {
+    let cause = match reset.cause {
+        ResetCause::Core => "the program itself".to_owned(),
+        ResetCause::Model("IWDG") => "the watchdog".to_owned(),
+        other => format!("{other:?}"),
+    };
+    format!("reset at {} by {cause}", ms(reset.at))
 }

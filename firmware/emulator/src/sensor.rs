@@ -15,9 +15,13 @@ const MODE_SELECT: u16 = 0x0100;
 const SW_RESET: u16 = 0x0103;
 const LINE_LENGTH_PCK_H: u16 = 0x0342;
 const QVGA_WIN_EN: u16 = 0x3010;
+const BIT_CONTROL: u16 = 0x3059;
 const OSC_CLK_DIV: u16 = 0x3060;
 /// `MODE_SELECT`: a frame for each pulse on the trigger pin.
 const HARDWARE_TRIGGER: u8 = 0x05;
+/// `BIT_CONTROL`: a pixel on eight lines, or as two nibbles on four.
+const EIGHT_BITS: u8 = 0x02;
+const FOUR_BITS: u8 = 0x42;
 /// The master clock that the board gives, Hz.
 const MCLK: u64 = 8_000_000;
 
@@ -33,6 +37,8 @@ impl Registers {
             MODEL_ID_L => 0xB0,
             LINE_LENGTH_PCK_H => 0x01,
             0x0343 => 0x78,
+            // Assumed; the program sets it.
+            BIT_CONTROL => EIGHT_BITS,
             OSC_CLK_DIV => 0x08,
             _ => 0,
         };
@@ -57,13 +63,24 @@ impl Registers {
         self.get(QVGA_WIN_EN) & 1 == 1
     }
 
-    /// Length of a line with its blanking, pixel clocks.
+    /// On how many lines a pixel comes; of one line nothing is modelled.
+    pub fn bits(&self) -> Option<u8> {
+        match self.get(BIT_CONTROL) {
+            EIGHT_BITS => Some(8),
+            FOUR_BITS => Some(4),
+            _ => None,
+        }
+    }
+
+    /// Length of a line with its blanking, pixels.
     pub fn line_length(&self) -> u64 {
         u64::from(u16::from_be_bytes([self.get(LINE_LENGTH_PCK_H), self.get(LINE_LENGTH_PCK_H + 1)]))
     }
 
-    /// Its pixel clock, Hz.
-    pub fn pixel_clock(&self) -> u64 {
+    /// Pixels a second. Its clock pin gives one clock for each on eight lines and two on four, so that a
+    /// line takes as long; and the port gets two bytes in the time of a pixel from two sensors either way,
+    /// by turns of a multiplexer or a nibble of both at once.
+    pub fn pixel_rate(&self) -> u64 {
         MCLK >> (3 - (self.get(OSC_CLK_DIV) & 3))
     }
 }
@@ -115,4 +132,26 @@ impl Peer for Sensor {
     }
 
     fn stop(&mut self, _context: &mut Timeline<'_, '_>) {}
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nibbles_change_no_timing() {
+        let mut registers = Registers::default();
+        registers.set(LINE_LENGTH_PCK_H, 2);
+        let timing = |registers: &Registers| (registers.line_length(), registers.pixel_rate());
+        let [eight, four] = [EIGHT_BITS, FOUR_BITS].map(|bits| {
+            registers.set(BIT_CONTROL, bits);
+            (registers.bits(), timing(&registers))
+        });
+        assert_eq!(eight, (Some(8), (0x278, 1_000_000)));
+        assert_eq!(four, (Some(4), eight.1));
+        registers.set(BIT_CONTROL, 0x22);
+        assert_eq!(registers.bits(), None);
+        registers.set(SW_RESET, 0);
+        assert_eq!((registers.bits(), registers.line_length()), (Some(8), 0x178));
+    }
 }
