@@ -4,16 +4,17 @@ no harm from any fault of the camera beyond the frame it hits, and nothing that 
 
 usage: firmware/check-twin.py HAARLINE ELF DATA
 
-HAARLINE is the host's program, ELF the twin (cargo fw), DATA the folder with qvga and stereoboard.
+HAARLINE is the host's program, ELF the twin (cargo twin), DATA the folder with qvga and stereoboard.
 """
 
 import json
 import subprocess
 import sys
 import tempfile
-import time
 from functools import cached_property
 from pathlib import Path
+
+from verdicts import Failure, expect, run_all
 
 SCENE, LOW_SCENE = "teddy", "kitti15_000003"
 TAKE, TAKE_ROWS = "db1_forward_take01", 96
@@ -33,15 +34,6 @@ FAULTS = {
 LONG_RUN, SHORT_RUN = 10_000, 10
 # Of the long run's frames: small, so that it is over soon.
 SMALL, SMALL_FRAMES = (64, 24), 4
-
-
-class Failure(Exception):
-    pass
-
-
-def expect(what, found, wanted):
-    if found != wanted:
-        raise Failure(f"{what}: {found!r} instead of {wanted!r}")
 
 
 class Twin:
@@ -103,6 +95,18 @@ def recording(twin):
     expect("maps unlike the host's", told["different_frames"], [])
     expect("counters", told["counters"], {**CLEAN, "frames": frames, "rows": frames * TAKE_ROWS})
     return f"{frames} frames"
+
+
+def rig(twin, row_offset):
+    """The recording's own rig: offsets, and obstacles whose angles the chip works out."""
+    text = (Path(__file__).parents[1] / "tests" / "stereoboard.toml").read_text()
+    path = twin.folder / f"rig_{row_offset}.toml"
+    path.write_text(text.replace("row_offset = 0", f"row_offset = {row_offset}"))
+    told = twin.run("--recording", twin.take, "--side-by-side", "right", "--method", "lite", "--rig", path)
+    expect("maps unlike the host's", told["different_frames"], [])
+    expect("obstacles unlike the host's", told["different_obstacles"], [])
+    expect("frames whose obstacles were compared", told["obstacles_compared"], told["frames"])
+    return f"{told['frames']} frames"
 
 
 def repeatable(twin):
@@ -192,6 +196,8 @@ def checks(twin):
         for method in ["lite", "full"]:
             yield f"{name}, {method}: the host's map", lambda n=name, m=method: scene(twin, n, m)
     yield f"recording {TAKE}, right first: the host's maps", lambda: recording(twin)
+    for rows in [-2, 0, 1]:
+        yield f"recording {TAKE} with its rig, row offset {rows}: maps, obstacles", lambda r=rows: rig(twin, r)
     yield "two runs tell the same", lambda: repeatable(twin)
     yield "an386 and an500: the same map and counts", lambda: machines(twin)
     for name in WIRINGS:
@@ -207,16 +213,8 @@ def main():
     if len(sys.argv) != 4:
         sys.exit(__doc__.strip())
     haarline, elf, data = (Path(argument).resolve() for argument in sys.argv[1:])
-    failed = 0
     with tempfile.TemporaryDirectory() as folder:
-        for name, check in checks(Twin(haarline, elf, data, Path(folder))):
-            before = time.monotonic()
-            try:
-                verdict, told = "ok", check()
-            except Failure as failure:
-                verdict, told = "FAILED", str(failure)
-                failed += 1
-            print(f"{verdict:6} {name} ({time.monotonic() - before:.1f} s){': ' if told else ''}{told}", flush=True)
+        failed = run_all(checks(Twin(haarline, elf, data, Path(folder))))
     sys.exit(1 if failed else 0)
 
 

@@ -4,7 +4,7 @@ the paper's Table 1 on the chip: wavelet-block against block.
 
 usage: firmware/table.py HAARLINE ELF SCENES_DIR [SCENE...]
 
-HAARLINE is the host's program, ELF the twin (cargo fw), SCENES_DIR the folder of scenes. The errors are those of
+HAARLINE is the host's program, ELF the twin (cargo twin), SCENES_DIR the folder of scenes. The errors are those of
 haarline eval: the chip's maps are the host's, byte for byte, or else haarline twin fails.
 """
 

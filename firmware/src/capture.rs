@@ -47,6 +47,7 @@ pub async fn capture(
         };
         let event = match event {
             Ok(SourceEvent::Over) => break,
+            Ok(SourceEvent::Border) => continue,
             Ok(SourceEvent::Start) => {
                 begun_us = Instant::now().as_micros();
                 CameraEvent::Start

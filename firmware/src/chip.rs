@@ -105,10 +105,10 @@ fn main() -> ! {
 
 /// Starts the cameras, the ports and the tasks.
 fn start(spawner: Spawner, clock: Clock, p: Peripherals) {
-    // The sensors' master clock comes before anything is asked of them, and stays on.
+    // The sensors' master clock comes before anything is asked of them. It stays on.
     let mut mco = McoConfig::default();
     (mco.prescaler, mco.speed) = (McoPrescaler::DIV1, Speed::Medium);
-    core::mem::forget(Mco::new(p.MCO1, p.PA8, Mco1Source::HSE, mco));
+    let _master_clock = Mco::new(p.MCO1, p.PA8, Mco1Source::HSE, mco);
     let pin = PwmPin::new(p.PB4, OutputType::PushPull);
     let rate = Hertz(settings::FRAME_RATE);
     let trigger = SimplePwm::new(p.TIM3, Some(pin), None, None, None, rate, CountingMode::EdgeAlignedUp);

@@ -10,6 +10,8 @@ pub enum SourceEvent {
     Start,
     /// A row's raw bytes came, that many. The first ones are in the buffer.
     Row(usize),
+    /// A line passed that is none of the picture's rows: the camera is not silent.
+    Border,
     /// A row was lost.
     Lost,
     /// The frame ends.

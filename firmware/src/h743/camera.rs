@@ -24,7 +24,8 @@ use crate::port::{Events, Flags, Port, PortEvent, PortRegisters, Sync};
 /// Bytes of a line of both sensors, and words.
 const LINE_BYTES: usize = 2 * WINDOW[0] as usize;
 const LINE_WORDS: usize = LINE_BYTES / 4;
-const _: () = assert!(LINE_BYTES.is_multiple_of(4));
+const LINE_WORDS_U32: u32 = WINDOW[0] as u32 / 2;
+const _: () = assert!(LINE_BYTES.is_multiple_of(4) && LINE_WORDS_U32 as usize == LINE_WORDS);
 /// Lines in the ring: those whose events wait, three that came late, the one under way, and one being read.
 const LINES: usize = 16;
 const RING: usize = LINES * LINE_WORDS;
@@ -195,8 +196,7 @@ impl Camera {
             ReadableRingBuffer::new(Channel::new(dma, irqs), request, from, memory, TransferOptions::default())
         };
         let (events, taken) = EVENTS.take().split();
-        let row = u32::try_from(LINE_WORDS).unwrap_or(0);
-        let port = Port::new(row, u32::try_from(RING).unwrap_or(0));
+        let port = Port::new(LINE_WORDS_U32, u32::try_from(RING).unwrap_or(0));
         critical_section::with(|cs| SERVED.borrow_ref_mut(cs).replace(Served { port, events }));
         let mut camera = Self { ring, events: taken, read: 0, line: 0, line_bytes: [0; LINE_WORDS], _pins: pins };
         camera.restart();
@@ -259,50 +259,46 @@ impl Camera {
         SourceEvent::Overrun
     }
 
-    /// Whether the line is one of the picture's, or one too many.
-    fn is_wanted(line: u32) -> bool {
+    /// Counts the line; whether it is one of the picture's, or one too many.
+    fn next_is_wanted(&mut self) -> bool {
+        let line = self.line;
+        self.line += 1;
         line >= FIRST_LINE && (line < FIRST_LINE + HEIGHT || line >= u32::from(WINDOW[1]))
     }
 }
 
 impl RowSource for Camera {
     async fn next(&mut self, bytes: &mut [u8]) -> SourceEvent {
-        loop {
-            let event = poll_fn(|cx| {
-                WAKER.register(cx.waker());
-                self.events.dequeue().map_or(Poll::Pending, Poll::Ready)
-            });
-            let event = event.await;
-            let line = self.line;
-            match event {
-                PortEvent::Start => {
-                    self.line = 0;
-                    return SourceEvent::Start;
+        let event = poll_fn(|cx| {
+            WAKER.register(cx.waker());
+            self.events.dequeue().map_or(Poll::Pending, Poll::Ready)
+        });
+        match event.await {
+            PortEvent::Start => {
+                self.line = 0;
+                SourceEvent::Start
+            }
+            PortEvent::Row { at } => {
+                let is_wanted = self.next_is_wanted();
+                // What is of no use has to be taken out of the ring, too.
+                let is_there =
+                    if is_wanted { self.copy(at, bytes) } else { self.skip(at.wrapping_add(LINE_WORDS_U32)) };
+                match (is_there, is_wanted) {
+                    (false, _) => self.lapped(),
+                    (true, true) => SourceEvent::Row(PICTURE_BYTES),
+                    (true, false) => SourceEvent::Border,
                 }
-                PortEvent::Row { at } => {
-                    self.line += 1;
-                    if !self.copy(at, bytes) {
-                        return self.lapped();
-                    }
-                    if Self::is_wanted(line) {
-                        return SourceEvent::Row(PICTURE_BYTES);
-                    }
-                }
-                PortEvent::Lost { to } => {
-                    self.line += 1;
-                    if !self.skip(to) {
-                        return self.lapped();
-                    }
-                    if Self::is_wanted(line) {
-                        return SourceEvent::Lost;
-                    }
-                }
-                PortEvent::End => return SourceEvent::End,
-                PortEvent::Overrun => return SourceEvent::Overrun,
-                PortEvent::DmaError => {
-                    self.restart();
-                    return SourceEvent::DmaError;
-                }
+            }
+            PortEvent::Lost { to } => match (self.skip(to), self.next_is_wanted()) {
+                (false, _) => self.lapped(),
+                (true, true) => SourceEvent::Lost,
+                (true, false) => SourceEvent::Border,
+            },
+            PortEvent::End => SourceEvent::End,
+            PortEvent::Overrun => SourceEvent::Overrun,
+            PortEvent::DmaError => {
+                self.restart();
+                SourceEvent::DmaError
             }
         }
     }

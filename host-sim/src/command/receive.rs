@@ -1,5 +1,6 @@
 //! `haarline receive`: the row packets that a chip sent as disparity maps.
 
+use std::collections::HashMap;
 use std::fmt::Write;
 use std::fs;
 use std::path::PathBuf;
@@ -16,7 +17,7 @@ use crate::packet_stream::{PacketStream, ReceivedFrame};
 pub(super) struct Args {
     /// The bytes as they came over the serial line
     packets: PathBuf,
-    /// Where the maps go: <number>.pfm, and frames.csv
+    /// Where the maps go: <number>.pfm, and frames.csv; <number>_1.pfm and so on if the sender began anew
     #[arg(short, long = "output", value_name = "DIR")]
     output: PathBuf,
     /// Prints the summary as JSON
@@ -42,8 +43,12 @@ impl Args {
         let mut stream = PacketStream::new();
         let mut frames = stream.push(&bytes);
         frames.extend(stream.finish());
+        let mut times = HashMap::new();
         for frame in &frames {
-            let path = self.output.join(format!("{:06}.pfm", frame.number));
+            let before = times.entry(frame.number).or_insert(0_u32);
+            let again = if *before > 0 { format!("_{before}") } else { String::new() };
+            *before += 1;
+            let path = self.output.join(format!("{:06}{again}.pfm", frame.number));
             output::write(&path, &pfm::encode(&frame.map))?;
         }
         output::write(&self.output.join("frames.csv"), table(&frames).as_bytes())?;

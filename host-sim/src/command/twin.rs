@@ -192,7 +192,8 @@ impl Args {
             let frames = (0..frames).filter(|frame| found.get(frame) != Some(&expected[(frame % recorded) as usize]));
             summary.different_obstacles = frames.collect();
             if let Some(path) = &self.obstacles {
-                let frames = found.into_iter().map(|(frame, nearest_mm)| FrameObstacles { frame: frame as usize, nearest_mm });
+                let frames =
+                    found.into_iter().map(|(frame, nearest_mm)| FrameObstacles { frame: frame as usize, nearest_mm });
                 output::write(path, &finder.encode_csv(&frames.collect::<Vec<_>>())?)?;
             }
         }
