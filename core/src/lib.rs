@@ -1,7 +1,8 @@
 //! Stereo depth on a microcontroller: camera lines in, disparity rows out.
 //!
 //! Without heap and floating point; memory grows with the width of the picture, not with its height.
-//! [`Full`] is the most accurate method, [`Lite`] the cheapest; both are driven by [`StereoMethod`].
+//! [`Full`] is the most accurate method, [`Lite`] the cheapest; both are driven by [`StereoMethod`]. How to put them
+//! behind another HAL, from raw camera bytes to obstacles, is in `examples/another_hal.rs`.
 //!
 //! ```
 //! use haarline::{Config, Depth, Full, Rig, ScanlinePair, StereoMethod, blocks_for};

@@ -15,6 +15,13 @@ fn bounds() -> (*mut u32, *mut u32) {
     (&raw mut _stack_end, &raw mut _stack_start)
 }
 
+/// Bytes that there are for it.
+#[must_use]
+pub fn size() -> usize {
+    let (end, start) = bounds();
+    start.addr() - end.addr()
+}
+
 /// Paints what is not in use.
 #[inline(never)]
 #[expect(unsafe_code, reason = "writes memory that nobody uses")]

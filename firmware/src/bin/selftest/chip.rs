@@ -1,7 +1,12 @@
-//! The methods one after the other, again and again, so that a profiler sees where cycles go.
+//! The methods one after the other, again and again, so that a profiler sees where cycles go. Nobody sleeps, and no
+//! watchdog is started: nothing but the probe stops the counter.
+
+use core::fmt::Write;
 
 use defmt_rtt as _;
-use haarline::{Full, Lite, Stage, StereoMethod};
+use embassy_stm32::pac::DBGMCU;
+use haarline::contour_stereo::rows_for;
+use haarline::{ContourStereo, EnvelopeStereo, Full, Lite, Stage, StereoMethod, WaveletBlock};
 use haarline_firmware::edge::{Work, WorkClock};
 use haarline_firmware::h743::clock;
 use haarline_firmware::h743::cycles::CycleClock;
@@ -12,23 +17,29 @@ use haarline_tests::{BlockSettings, StereoBm};
 use static_cell::ConstStaticCell;
 
 type Clock = &'static CycleClock;
+/// A line of the table. defmt pads numbers with zeros only and texts not at all, so it is put together here.
+type Line = heapless::String<192>;
 
 static CLOCK: ConstStaticCell<CycleClock> = ConstStaticCell::new(CycleClock::new());
 
 #[cortex_m_rt::entry]
 fn main() -> ! {
-    stack::paint();
     let _p = embassy_stm32::init(clock::config());
     let cycles: Clock = CLOCK.take();
     if let Some(mut core) = cortex_m::Peripherals::take() {
         core.SCB.enable_icache();
         cycles.start(&mut core.DCB, &mut core.DWT);
     }
-    defmt::info!("self test of Haarline: {=u16}x{=u32} px at {=u32} MHz", WIDTH, HEIGHT, clock::CORE / 1_000_000);
     loop {
-        let passed = [full(cycles), lite(cycles), block(cycles)];
-        if passed == [true; 3] {
-            defmt::info!("self test passed; stack at most {=usize} B", stack::high_water());
+        head();
+        let mut passed = true;
+        for method in [full, lite, wavelet_block, contour, envelope, block] {
+            // Each has all of the stack for itself.
+            stack::paint();
+            passed &= method(cycles);
+        }
+        if passed {
+            defmt::info!("self test passed");
         } else {
             defmt::error!("self test FAILED");
         }
@@ -36,8 +47,6 @@ fn main() -> ! {
         cortex_m::asm::delay(clock::CORE / 100);
     }
 }
-
-// Each has all of the stack for itself, one after the other.
 
 #[inline(never)]
 fn full(clock: Clock) -> bool {
@@ -50,30 +59,76 @@ fn lite(clock: Clock) -> bool {
 }
 
 #[inline(never)]
+fn wavelet_block(clock: Clock) -> bool {
+    test("wavelet-block", &mut defmt::unwrap!(WaveletBlock::<BLOCKS, _>::timed(CONFIG, clock).ok()), clock)
+}
+
+#[inline(never)]
+fn contour(clock: Clock) -> bool {
+    let method = ContourStereo::<BLOCKS, { rows_for(1) }, _>::timed(CONFIG, clock);
+    test("contour", &mut defmt::unwrap!(method.ok()), clock)
+}
+
+#[inline(never)]
+fn envelope(clock: Clock) -> bool {
+    test("envelope", &mut defmt::unwrap!(EnvelopeStereo::<BLOCKS, _>::timed(CONFIG, clock).ok()), clock)
+}
+
+#[inline(never)]
 fn block(clock: Clock) -> bool {
     let method = StereoBm::<{ WIDTH as usize }, DISPARITIES, 9, _>::timed(CONFIG, BlockSettings::default(), clock);
     test("block", &mut defmt::unwrap!(method.ok()), clock)
 }
 
-/// One method: whether its checksum is the host's.
+/// All that must be known to read the table, and the names of its columns.
+fn head() {
+    let chip = DBGMCU.idc().read();
+    defmt::info!(
+        "self test of Haarline {=str}: STM32H743 (device {=u16:#x}, revision {=u16:#x}) at {=u32} MHz, \
+         instruction cache on, data cache off",
+        env!("CARGO_PKG_VERSION"),
+        chip.dev_id(),
+        chip.rev_id(),
+        clock::CORE / 1_000_000
+    );
+    defmt::info!(
+        "cycles for {=u16}x{=u32} px, {=usize} disparities, to take the checksum counts as output; stack of {=usize} B",
+        WIDTH,
+        HEIGHT,
+        DISPARITIES,
+        stack::size()
+    );
+    let mut line = Line::new();
+    let _ = write!(line, "{:13}", "method");
+    for stage in Stage::ALL {
+        let _ = write!(line, " {:>1$}", stage.name(), width(stage));
+    }
+    let _ = write!(line, " | {:>9} {:>7} {:>7} checksum", "total", "a pixel", "stack");
+    defmt::info!("{=str}", line);
+}
+
+/// Runs one method, and prints its line: whether its checksum is the host's.
 fn test(name: &str, method: &mut dyn StereoMethod, clock: Clock) -> bool {
     let before = Stage::ALL.map(|stage| clock.of(stage));
-    let sum = checksum(method, || clock.rest(Work::Row));
+    let sum = checksum(method, &clock, || clock.rest(Work::Row));
+    let stack = stack::high_water();
+    let mut line = Line::new();
+    let _ = write!(line, "{name:13}");
     let mut total = 0;
     for (stage, before) in Stage::ALL.into_iter().zip(before) {
         let cycles = clock.of(stage) - before;
         total += cycles;
-        defmt::info!("{=str} {=str}: {=u64} cycles", name, stage.name(), cycles);
+        let _ = write!(line, " {:>1$}", cycles, width(stage));
     }
-    let pixels = u64::from(WIDTH) * u64::from(HEIGHT);
     let passed = expected(name) == Some(sum);
-    defmt::info!(
-        "{=str}: {=u64} cycles, {=u64} a pixel; checksum {=u32:#010x} {=str}",
-        name,
-        total,
-        total / pixels,
-        sum,
-        if passed { "as on the host" } else { "NOT as on the host" }
-    );
+    let pixels = u64::from(WIDTH) * u64::from(HEIGHT);
+    let verdict = if passed { "ok" } else { "WRONG" };
+    let _ = write!(line, " | {total:>9} {:>7} {stack:>7} {sum:08x} {verdict}", total / pixels);
+    defmt::info!("{=str}", line);
     passed
+}
+
+/// Characters of a stage's column.
+fn width(stage: Stage) -> usize {
+    stage.name().len().max(9)
 }

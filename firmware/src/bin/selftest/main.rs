@@ -1,5 +1,8 @@
 //! Every method on a built-in pair, on a bare board without cameras: its checksum is the host's, and
-//! what each stage costs is counted in cycles.
+//! what each stage costs is counted in cycles, in a table to pass on.
+//!
+//! It goes on for ever, so that `probe-rs profile` can read again and again where the core is; the names it shows
+//! are those of the program's symbols, which the release profile keeps.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]
@@ -7,6 +10,9 @@ mod chip;
 
 #[cfg(not(target_os = "none"))]
 fn main() {
-    println!("This program runs on an STM32H743. With the board on a probe:");
-    println!("  cargo run -p haarline-firmware --release --target thumbv7em-none-eabihf --bin selftest");
+    const TARGET: &str = "thumbv7em-none-eabihf";
+    println!("This program runs on an STM32H743. With the board on a probe, for the table:");
+    println!("  cargo run -p haarline-firmware --release --target {TARGET} --bin selftest");
+    println!("and then, to see where the cycles go (`naive` without `flat` in older versions):");
+    println!("  probe-rs profile --chip STM32H743ZITx --duration 20 target/{TARGET}/release/selftest flat naive");
 }
