@@ -33,7 +33,7 @@ SCENE, TAKE = "tsukuba", "db1_forward_take01"
 UNKNOWN = 65535
 # What each fault in the middle of frame 1 leaves in the counters; in a clean run all are 0.
 COUNTERS = ["dropped_rows", "dropped_frames", "overruns", "short", "long", "stalled", "dma_errors"]
-FAULTS = {"short": {"short": 1}, "long": {"long": 1}, "overrun": {"overruns": 1}, "stall": {"stalled": 1}, "garbage": None}
+FAULTS = {"short": {"short": 1}, "long": {"long": 1}, "overrun": {"overruns": 1}, "stall": {"stalled": 1}, "garbage": {}}
 
 
 def run(*command, **options):
@@ -148,16 +148,13 @@ def obstacles(messages):
     return [message for message in messages if message.get_type() == "OBSTACLE_DISTANCE"]
 
 
-def self_test(folder):
-    rig = Rig(folder, "selftest", run(HAARLINE, "rig", "new", folder / "selftest.toml") and (folder / "selftest.toml").read_text())
-    rig.build("selftest")
-    log = folder / "selftest.log"
-    run(EMULATOR, rig.elf, "--limit", 2000, "--log", log)
+def self_test(rig):
+    log = rig.folder / "log"
+    run(EMULATOR, rig.elf, "--limit", 400, "--log", log)
     text = log.read_text()
-    rounds = text.count("self test passed")
-    if rounds == 0 or "FAILED" in text:
+    if "self test passed" not in text or "FAILED" in text or text.count(" ok\n") < 6:
         raise Failure(text)
-    return "\n" + "\n".join("       " + line for line in text.split("self test passed")[0].splitlines())
+    return "\n" + "\n".join("       " + re.sub(r"^\S+ info ", "", line) for line in text.splitlines())
 
 
 def scene(rig):
@@ -200,11 +197,12 @@ def recording(rig):
 def fault(rig, kind):
     emulated = rig.emulate(kind, 4, "--fault", f"{kind}@1")
     wanted = FAULTS[kind]
-    if wanted is None:
-        lost = int(emulated.counters["dropped_rows"])
-        if not 1 <= lost <= rig.height // 2:
-            raise Failure(f"{lost} rows lost")
-        wanted = {"dropped_rows": lost}
+    if kind == "garbage":
+        # Lines from the first that is too short to the frame's end; noise takes long, so that the frame may end early.
+        rows, frames = (int(emulated.counters[name]) for name in ["dropped_rows", "dropped_frames"])
+        if not (1 <= rows <= rig.height // 2 and frames <= 1):
+            raise Failure(f"{rows} rows and {frames} frames lost")
+        wanted = {"dropped_rows": rows, "dropped_frames": frames}
     emulated.counted(**wanted)
     expect("frames begun", int(emulated.counters["frames"]), 4)
     good = [number for number in range(4) if number != 1 or kind == "long"]
@@ -267,18 +265,20 @@ def checks(data, folder):
     run(HAARLINE, "record", *views, "--wiring", "pixel", "-o", ground.folder / "pixel.raw")
     ground.dump.write_bytes(displaced((ground.folder / "pixel.raw").read_bytes(), ground, 2, "nibble"))
 
-    stereoboard = (ROOT / "tests" / "stereoboard.toml").read_text() + "frame_rate_hz = 20\n"
+    stereoboard = (ROOT / "tests" / "stereoboard.toml").read_text() + "frame_rate_hz = 10\n"
     take = Rig(folder, "take", stereoboard, wiring='"pixel"')
-    lite = Rig(folder, "lite", stereoboard, wiring='"pixel"', row_offset=-1, frame_rate_hz=30)
+    lite = Rig(folder, "lite", stereoboard, wiring='"pixel"', row_offset=-1, frame_rate_hz=15)
     lite.method = "lite"
     for rig in [take, lite]:
         run(HAARLINE, "record", "--recording", data / "stereoboard" / TAKE, "--layout", "side-by-side", "--layout-first",
             "right", "--first", "right", "--frames", "60..72", "--wiring", "pixel", "-o", rig.dump)
 
+    bare = Rig(folder, "bare", template)
+    bare.build("selftest")
     for rig in [plain, ground, take, lite]:
         rig.build()
         rig.host()
-    yield "self test: every method's checksum is the host's", lambda: self_test(folder)
+    yield "self test: every method's checksum is the host's", lambda: self_test(bare)
     yield f"scene {SCENE}, 320x240, twice: maps, obstacles, log", lambda: scene(plain)
     yield "rover, nibbles, two rows displaced: maps, the post", lambda: rover(ground)
     yield f"recording {TAKE}: maps, obstacles", lambda: recording(take)

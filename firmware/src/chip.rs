@@ -100,7 +100,12 @@ fn main() -> ! {
         settings::FRAME_RATE,
         reset::cause()
     );
-    idle::run(&mut core.SCB, |spawner| start(spawner, clock, p))
+    idle::run(&mut core.SCB, |spawner| {
+        start(spawner, clock, p);
+        defmt::info!("stack at start-up at most {=usize} of {=usize} B", stack::high_water(), stack::size());
+        // From here on it is the tasks' own depth that counts.
+        stack::paint();
+    })
 }
 
 /// Starts the cameras, the ports and the tasks.
