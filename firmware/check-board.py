@@ -94,7 +94,8 @@ class Emulated:
         run(HAARLINE, "receive", out / "rows", "-o", out / "maps")
         self.maps = {path.stem: path.read_bytes() for path in (out / "maps").glob("*.pfm")}
         with open(out / "maps" / "frames.csv", newline="") as file:
-            self.counters = list(csv.DictReader(file))[-1]
+            table = list(csv.DictReader(file))
+        self.counters, self.numbers = table[-1], [int(line["frame"]) for line in table]
         self.says("sensor 1: HM01B0 set up")
         self.says("sensor 2: HM01B0 set up")
         if "bytes that are no log" in self.log:
@@ -225,16 +226,19 @@ def struck(rig, kind, frames, words):
     emulated = rig.emulate(kind, frames, "--fault", f"{kind}@1")
     for text in words:
         emulated.says(text)
-    again = sorted(name for name in emulated.maps if name.endswith("_1"))
-    if len(again) < 2:
-        raise Failure(f"of the frames after the reset only {again} came")
+    # Frames are counted from 0 again; the names of those that were there before go on with _1.
+    numbers = emulated.numbers
+    reset = max(at for at, number in enumerate(numbers) if number == 0)
+    names = [f"{number:06}" + ("_1" if number in numbers[:reset] else "") for number in numbers[reset:]]
+    if reset == 0 or len(names) < 3:
+        raise Failure(f"frames {numbers} came, and there should be some from 0 on again")
     # The cameras went on meanwhile: whichever frame comes first then.
     first = next((n for n, good in enumerate(rig.maps) if good == emulated.maps["000000_1"]), None)
     if first is None:
         raise Failure("the first frame after the reset is none of the host's")
-    emulated.maps_as_on_the_host({name: first + nth for nth, name in enumerate(again)})
+    emulated.maps_as_on_the_host({name: first + nth for nth, name in enumerate(names)})
     emulated.counted()
-    return re.search(r"reset at .*", emulated.told)[0]
+    return f"{re.search(r'reset at .*', emulated.told)[0]}, then {len(names)} good frames"
 
 
 def displaced(dump, rig, rows, wiring):
@@ -289,7 +293,7 @@ def checks(data, folder):
             yield name, lambda r=rig, k=kind: fault(r, k)
     yield "no sensor answers for 300 ms: told, and all is well after", lambda: silent(plain)
     yield "the program hangs: the watchdog starts it anew", lambda: struck(
-        take, "hang", 60, ["by the watchdog", "started by the watchdog: the vision task stood still"])
+        take, "hang", 40, ["by the watchdog", "started by the watchdog: the vision task stood still"])
     yield "the program crashes: it starts anew", lambda: struck(
         take, "crash", 12, ["hard fault at", "by the program itself", "started by the program itself"])
 

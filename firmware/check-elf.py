@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Shows that the core's pipeline, as it lies in a linked program, has no floating-point instruction and no
-reachable panic.
+"""Shows that a linked program has a vector table, how much memory it takes, and that the core's pipeline in it has no
+floating-point instruction and no reachable panic.
 
 usage: firmware/check-elf.py ELF
 
@@ -10,6 +10,7 @@ through the pointer that a method delivers its rows by: what lies behind it is n
 
 import re
 import shutil
+import struct
 import subprocess
 import sys
 from pathlib import Path
@@ -19,6 +20,26 @@ PANIC = re.compile(r"core::panicking|core::cell::panic|_fail(::|$)|unwrap_failed
 HEAD = re.compile(r"^[0-9a-f]+ <(.*)>:$")
 LINE = re.compile(r"^\s*([0-9a-f]+):\s+(\S+)(?:\s+(.*))?$")
 TARGET = re.compile(r"<(.+?)(?:\+0x[0-9a-f]+)?>")
+
+
+def sections(elf):
+    """Sizes of the sections that take memory, by name, and whether they lie in flash or RAM or both."""
+    data = Path(elf).read_bytes()
+    offset, = struct.unpack_from("<I", data, 32)
+    size, count, names = struct.unpack_from("<HHH", data, 46)
+    heads = [struct.unpack_from("<10I", data, offset + size * nth) for nth in range(count)]
+    name = lambda head: data[heads[names][4] + head[0] :].split(b"\0", 1)[0].decode()
+    # SHF_ALLOC; what is no SHT_NOBITS and may be written is copied from flash to RAM.
+    return {name(head): (head[5], head[1] != 8, bool(head[2] & 1)) for head in heads if head[2] & 2 and head[5]}
+
+
+def memory(elf):
+    found = sections(elf)
+    if found.get(".vector_table", (0,))[0] < 64:
+        sys.exit(f"{elf} has no vector table: the linker script did not reach the linker")
+    flash = sum(size for size, is_stored, _ in found.values() if is_stored)
+    ram = sum(size for size, _, is_written in found.values() if is_written)
+    print(f"flash {flash} B, RAM {ram} B without the stack: {', '.join(f'{n} {s[0]}' for n, s in found.items())}")
 
 
 def objdump():
@@ -53,10 +74,11 @@ def functions(elf):
 def main():
     if len(sys.argv) != 2:
         sys.exit(__doc__.strip())
+    memory(sys.argv[1])
     calls, floats = functions(sys.argv[1])
     roots = [name for name in calls if ROOT.search(name)]
     if len(roots) < 4:
-        sys.exit(f"only {len(roots)} of the pipeline's functions are in {sys.argv[1]}: is it the twin?")
+        sys.exit(f"only {len(roots)} of the pipeline's functions are in {sys.argv[1]}: is it one of ours?")
     came_from = dict.fromkeys(roots)
     todo = list(roots)
     while todo:

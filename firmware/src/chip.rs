@@ -68,11 +68,15 @@ static METHOD_FULL: StaticCell<Full<BLOCKS, Clock>> = StaticCell::new();
 static METHOD_LITE: StaticCell<Lite<BLOCKS, Clock>> = StaticCell::new();
 static BEHIND: StaticCell<Behind> = StaticCell::new();
 static RAW_RING: ConstStaticCell<[RawRow; RAW_ROWS]> = ConstStaticCell::new([RawRow::EMPTY; RAW_ROWS]);
-static RESULT_RING: ConstStaticCell<[ResultRow; RESULT_ROWS]> = ConstStaticCell::new([ResultRow::EMPTY; RESULT_ROWS]);
 static RAW: StaticCell<Channel<'static, CriticalSectionRawMutex, RawRow>> = StaticCell::new();
 static RESULTS: StaticCell<Channel<'static, CriticalSectionRawMutex, ResultRow>> = StaticCell::new();
 static SIGHTINGS: Sightings<SECTORS> = Sightings::new();
 
+// Not for DMA, but to leave the fast memory to the pipeline and the stack.
+#[unsafe(link_section = ".dma")]
+#[expect(unsafe_code, reason = "a section of the linker script")]
+static RESULT_RING: DmaMemory<[ResultRow; RESULT_ROWS]> = DmaMemory::new();
+static RESULT_RING_TAKEN: AtomicBool = AtomicBool::new(false);
 #[unsafe(link_section = ".dma")]
 #[expect(unsafe_code, reason = "a section of the linker script")]
 static ROWS_MEMORY: DmaMemory<[u8; ROWS_CHUNK]> = DmaMemory::new();
@@ -109,6 +113,7 @@ fn main() -> ! {
 }
 
 /// Starts the cameras, the ports and the tasks.
+#[inline(never)]
 fn start(spawner: Spawner, clock: Clock, p: Peripherals) {
     // The sensors' master clock comes before anything is asked of them. It stays on.
     let mut mco = McoConfig::default();
@@ -151,7 +156,7 @@ fn start(spawner: Spawner, clock: Clock, p: Peripherals) {
     let Some(setup) = PLAN.setup() else { defmt::panic!("the rig has more sectors than it says") };
 
     let (raw_to, raw_from) = RAW.init(Channel::new(RAW_RING.take())).split();
-    let (results_to, results_from) = RESULTS.init(Channel::new(RESULT_RING.take())).split();
+    let (results_to, results_from) = RESULTS.init(Channel::new(result_ring())).split();
     // Each is spawned once, here.
     interrupt::UART4.set_priority(Priority::P6);
     let prompt = prompt::EXECUTOR.start(interrupt::UART4);
@@ -163,7 +168,14 @@ fn start(spawner: Spawner, clock: Clock, p: Peripherals) {
     spawner.spawn(statistics_task(clock).unwrap());
 }
 
-/// Builds the method. A function of its own, so that what it needs of the stack is needed at start-up only.
+// Functions of their own, so that what they need of the stack is needed one after the other and at start-up only.
+
+#[inline(never)]
+fn result_ring() -> &'static mut [ResultRow; RESULT_ROWS] {
+    RESULT_RING.take(&RESULT_RING_TAKEN, [ResultRow::EMPTY; _])
+}
+
+/// Builds the method.
 #[inline(never)]
 fn method(clock: Clock) -> Result<&'static mut dyn StereoMethod, ConfigError> {
     Ok(match settings::METHOD {

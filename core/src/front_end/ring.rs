@@ -78,7 +78,7 @@ impl<const ROWS: usize, const BLOCKS: usize> RowRing<ROWS, BLOCKS> {
 
 /// Fills the margins of a row of `width` image columns with its first and last pixel.
 pub(crate) fn replicate_borders(row: &mut [u8], width: usize) {
-    let (margin, rest) = row.split_at_mut(MARGIN);
+    let Some((margin, rest)) = row.split_at_mut_checked(MARGIN) else { return };
     margin.fill(rest.first().copied().unwrap_or(0));
     let last = width.checked_sub(1).and_then(|x| rest.get(x)).copied().unwrap_or(0);
     if let Some(margin) = rest.get_mut(width..) {
