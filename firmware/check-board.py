@@ -26,7 +26,9 @@ from pymavlink.dialects.v20 import common as mavlink  # noqa: E402
 ROOT = Path(__file__).resolve().parents[1]
 TARGET = "thumbv7em-none-eabihf"
 TARGET_DIR = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
-ARM_DIR = Path(os.environ.get("ARM_TARGET_DIR", TARGET_DIR / "arm"))
+# A toolchain of its own has a folder of its own, so that neither builds all anew for the other.
+ARM_TOOLCHAIN = os.environ.get("ARM_TOOLCHAIN")
+ARM_DIR = TARGET_DIR / "arm" if ARM_TOOLCHAIN else TARGET_DIR
 HAARLINE, EMULATOR = TARGET_DIR / "release" / "haarline", TARGET_DIR / "release" / "haarline-emulator"
 
 SCENE, TAKE = "tsukuba", "db1_forward_take01"
@@ -62,8 +64,7 @@ class Rig:
         self.method, self.elf, self.dump = "full", self.folder / "firmware.elf", self.folder / "dump.raw"
 
     def build(self, program="firmware"):
-        toolchain = os.environ.get("ARM_TOOLCHAIN")
-        variables = {"RUSTUP_TOOLCHAIN": toolchain} if toolchain else {}
+        variables = {"RUSTUP_TOOLCHAIN": ARM_TOOLCHAIN} if ARM_TOOLCHAIN else {}
         cargo("build", "--quiet", "-p", "haarline-firmware", "--release", "--target", TARGET, "--bin", program,
               target_dir=ARM_DIR, HAARLINE_RIG=str(self.description), HAARLINE_METHOD=self.method, **variables)
         # Kept: the next rig's program takes its place.
