@@ -120,6 +120,6 @@ mod tests {
             missing_rows: vec![1],
             is_whole: false,
         };
-        assert_eq!(table(&[frame]).lines().nth(1), Some("7,0,1,8,2,0,0,1,0,0,0"));
+        assert_eq!(table(&[frame]).lines().nth(1), Some("7,0,1,8,2,0,0,1,0,0,0,0"));
     }
 }
