@@ -7,7 +7,8 @@
 //!   leave single rows out would not help: a missed row costs as much as any other.
 //! - A frame that ends early is answered as far as it came: by its end, the next one's start, an overrun,
 //!   a failure of DMA or silence. Nothing is made up for the rows that never came.
-//! - After an overrun, a failure of DMA, a silence or a row without room everything up to the next frame's start is dropped.
+//! - After an overrun, a failure of DMA, a silence or a row without room everything up to the next frame's
+//!   start is dropped.
 //! - Surplus rows of a frame are left out.
 //!
 //! So the first frame that comes whole after any trouble is the frame of a run without it.

@@ -8,8 +8,8 @@ use embassy_stm32::time::Hertz;
 
 /// The core, Hz.
 pub const CORE: u32 = 480_000_000;
-/// What the Nucleo's debugger gives, Hz.
-const HSE: u32 = super::settings::MASTER_CLOCK;
+/// What the Nucleo's debugger gives, Hz; the sensors get it, too.
+pub const HSE: u32 = 8_000_000;
 
 /// The set-up of the HAL.
 #[must_use]

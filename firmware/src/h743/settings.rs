@@ -3,6 +3,7 @@
 use haarline::wiring::Kind;
 use haarline::{Config, Wiring};
 
+use super::clock::HSE;
 use crate::hm01b0::{Clock, FRAME_LENGTH, Lines, WINDOW};
 use crate::rig::PLAN;
 
@@ -47,9 +48,6 @@ pub const LINES: Lines = match WIRING.kind {
     Kind::Nibbles => Lines::Four,
     _ => Lines::Eight,
 };
-/// What the sensors get as their master clock, Hz.
-pub const MASTER_CLOCK: u32 = 8_000_000;
-
 /// Lines of a frame and of the pause after it: a trigger that comes within the frame would be lost.
 const LINES_A_FRAME: u32 = FRAME_LENGTH as u32 + 6;
 /// Least clocks of a line (datasheet, `LINE_LENGTH_PCK`).
@@ -57,7 +55,7 @@ const LEAST_LINE_LENGTH: u32 = 376;
 
 /// The slowest pixel clock that the frame rate allows: rows then come as evenly as can be.
 pub const CLOCK: Clock = {
-    let most = MASTER_CLOCK / (FRAME_RATE * LINES_A_FRAME * LEAST_LINE_LENGTH);
+    let most = HSE / (FRAME_RATE * LINES_A_FRAME * LEAST_LINE_LENGTH);
     match most {
         8.. => Clock::Eighth,
         4.. => Clock::Quarter,
@@ -66,7 +64,7 @@ pub const CLOCK: Clock = {
     }
 };
 /// Clocks of a line with its blanking, such that a frame takes nearly all of its time.
-pub const LINE_LENGTH: u32 = MASTER_CLOCK / CLOCK.divisor() / (FRAME_RATE * LINES_A_FRAME);
+pub const LINE_LENGTH: u32 = HSE / CLOCK.divisor() / (FRAME_RATE * LINES_A_FRAME);
 /// From one line to the next, us.
 pub const LINE_US: u32 = 1_000_000 / (FRAME_RATE * LINES_A_FRAME);
 

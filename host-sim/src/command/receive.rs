@@ -43,13 +43,8 @@ impl Args {
         let mut stream = PacketStream::new();
         let mut frames = stream.push(&bytes);
         frames.extend(stream.finish());
-        let mut times = HashMap::new();
-        for frame in &frames {
-            let before = times.entry(frame.number).or_insert(0_u32);
-            let again = if *before > 0 { format!("_{before}") } else { String::new() };
-            *before += 1;
-            let path = self.output.join(format!("{:06}{again}.pfm", frame.number));
-            output::write(&path, &pfm::encode(&frame.map))?;
+        for (frame, name) in frames.iter().zip(names(frames.iter().map(|frame| frame.number))) {
+            output::write(&self.output.join(name), &pfm::encode(&frame.map))?;
         }
         output::write(&self.output.join("frames.csv"), table(&frames).as_bytes())?;
         let tally = stream.tally();
@@ -66,6 +61,17 @@ impl Args {
         ensure!(!frames.is_empty(), Finding("no frame came: are these the bytes of the row packets' port?".to_owned()));
         Ok(())
     }
+}
+
+/// The files' names by the frames' numbers, which a sender that begins anew gives again.
+fn names(numbers: impl Iterator<Item = u32>) -> impl Iterator<Item = String> {
+    let mut times = HashMap::new();
+    numbers.map(move |number| {
+        let before = times.entry(number).or_insert(0_u32);
+        let again = if *before > 0 { format!("_{before}") } else { String::new() };
+        *before += 1;
+        format!("{number:06}{again}.pfm")
+    })
 }
 
 impl Summary {
@@ -110,6 +116,13 @@ mod tests {
     use super::*;
     use crate::DisparityMap;
     use haarline::Counters;
+
+    #[test]
+    fn a_sender_that_begins_anew_replaces_no_file() {
+        let found: Vec<String> = names([0, 1, 0, 1, 2, 0].into_iter()).collect();
+        let wanted = ["000000", "000001", "000000_1", "000001_1", "000002", "000000_2"];
+        assert_eq!(found, wanted.map(|name| format!("{name}.pfm")));
+    }
 
     #[test]
     fn a_frames_line_tells_what_is_missing_and_the_chips_counters() {

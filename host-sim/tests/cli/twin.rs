@@ -6,7 +6,7 @@ use std::process::Command;
 use image::ImageFormat;
 
 use crate::files::encode;
-use crate::scene::{HEIGHT, Pair, bench_with_plane};
+use crate::scene::{HEIGHT, Pair, WIDTH, bench_with_plane};
 
 #[test]
 fn without_qemu_it_says_what_to_install() {
@@ -34,6 +34,9 @@ fn what_cannot_run_is_refused_before_anything_is_built() {
     bench.refuses("twin left.png right.png --fault flood@0", &["--fault", "overrun"]);
     bench.refuses("twin left.png right.png --fault overrun@1", &["overrun@1", "1 frame"]);
     bench.refuses("twin left.png right.png --wiring frame", &["--wiring", "nibble"]);
+    bench.refuses("twin left.png right.png --obstacles o.csv", &["--rig"]);
+    bench.succeeds("rig new rig.toml");
+    bench.refuses("twin left.png right.png --rig rig.toml", &["320x240", &format!("{WIDTH}x{HEIGHT}")]);
     bench.refuses("twin left.png", &["RIGHT"]);
     bench.refuses("twin", &["LEFT"]);
 }

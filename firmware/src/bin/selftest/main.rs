@@ -13,6 +13,6 @@ fn main() {
     const TARGET: &str = "thumbv7em-none-eabihf";
     println!("This program runs on an STM32H743. With the board on a probe, for the table:");
     println!("  cargo run -p haarline-firmware --release --target {TARGET} --bin selftest");
-    println!("and then, to see where the cycles go (`naive` without `flat` in older versions):");
-    println!("  probe-rs profile --chip STM32H743ZITx --duration 20 target/{TARGET}/release/selftest flat naive");
+    println!("and then, to see where the cycles go (`pcsr` without `flat` in older versions):");
+    println!("  probe-rs profile --chip STM32H743ZITx --duration 20 target/{TARGET}/release/selftest flat pcsr");
 }
