@@ -9,8 +9,8 @@ use anyhow::{Context, Result, ensure};
 use serde::Serialize;
 
 use super::{Finding, print};
+use crate::input::packet_stream::{PacketStream, ReceivedFrame};
 use crate::output::{self, pfm};
-use crate::packet_stream::{PacketStream, ReceivedFrame};
 
 /// Arguments of `haarline receive`.
 #[derive(Debug, clap::Args)]
