@@ -8,12 +8,12 @@ use image::ExtendedColorType;
 use serde::Serialize;
 
 use super::{natural_number, number, print};
-use crate::method::MethodKind;
 use crate::output::picture::{self, ColourRange};
 use crate::output::{self, encode_grey_png, encode_png};
-use crate::pipeline::{self, Run};
-use crate::scene::Meta;
 use crate::score::Score;
+use crate::score::scene::Meta;
+use crate::stereo::method::MethodKind;
+use crate::stereo::pipeline::{self, Run};
 use crate::synthetic::{BlankScore, Rendering, Scene};
 use crate::{DisparityMap, Geometry};
 

@@ -9,9 +9,9 @@ use serde::Serialize;
 
 use super::shared::MinConfidence;
 use super::{Finding, print};
+use crate::input::packet_stream::{PacketStream, ReceivedFrame};
 use crate::output::growing::GrowingTable;
 use crate::output::{self, pfm};
-use crate::packet_stream::{PacketStream, ReceivedFrame};
 
 /// Bytes that are read at once.
 const PIECE: usize = 16 << 10;
