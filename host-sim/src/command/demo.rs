@@ -7,12 +7,12 @@ use clap::ValueEnum;
 use serde::Serialize;
 
 use super::{natural_number, number, print};
-use crate::method::MethodKind;
 use crate::output::picture::{self, ColourRange};
 use crate::output::{self, encode_grey_png};
-use crate::pipeline::{self, Run};
-use crate::scene::Meta;
 use crate::score::Score;
+use crate::score::scene::Meta;
+use crate::stereo::method::MethodKind;
+use crate::stereo::pipeline::{self, Run};
 use crate::synthetic::folder::{self, NamedFile};
 use crate::synthetic::{BlankScore, Rendering, Scene};
 use crate::{DisparityMap, Geometry};

@@ -7,14 +7,14 @@ use anyhow::{Result, bail, ensure};
 
 use super::shared::{Benchmark, JsonOutput, MethodOptions, progress};
 use super::{Finding, natural_number, number};
-use crate::baselines::{Baselines, Level};
-use crate::degrade::Degradation;
-use crate::evaluation::{self, Evaluator, Mean, SceneScore};
-use crate::method::Method;
 use crate::output;
-use crate::report::Report;
-use crate::scene::Scene;
+use crate::score::baselines::{Baselines, Level};
+use crate::score::degrade::Degradation;
+use crate::score::evaluation::{self, Evaluator, Mean, SceneScore};
+use crate::score::report::Report;
+use crate::score::scene::Scene;
 use crate::score::{Figure, Score};
+use crate::stereo::method::Method;
 
 /// Arguments of `haarline eval`.
 #[derive(Debug, clap::Args)]

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::{natural_number, number, print};
 use crate::output;
-use crate::scene::Meta;
+use crate::score::scene::Meta;
 use crate::synthetic::cases::{Case, Family};
 use crate::synthetic::{Scene, folder};
 

@@ -1,6 +1,6 @@
 //! Rendered scenes with known truth, for studies that are given no others.
 
-use crate::scene::{self, Meta};
+use crate::score::scene::{self, Meta};
 use crate::synthetic::{Layer, Rendering, Scene, Shape, Slope, Texture};
 
 /// What the page calls them.

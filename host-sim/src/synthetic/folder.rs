@@ -6,7 +6,7 @@ use image::ExtendedColorType;
 use super::Scene;
 use crate::StereoPair;
 use crate::output::{encode_grey_png, encode_png};
-use crate::scene::{Meta, Truth};
+use crate::score::scene::{Meta, Truth};
 
 /// A file's name, what it shows, and its content.
 pub type NamedFile = (&'static str, &'static str, Vec<u8>);

@@ -14,9 +14,9 @@ mod texture;
 
 use haarline::Config;
 
-use crate::degrade::Degradation;
-use crate::scene::Truth;
+use crate::score::degrade::Degradation;
 use crate::score::error_q8;
+use crate::score::scene::Truth;
 use crate::{DisparityMap, Frame, StereoPair};
 pub use texture::Texture;
 

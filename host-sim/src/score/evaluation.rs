@@ -7,13 +7,13 @@ use anyhow::{Context, Result};
 use haarline::{Config, ConfigError, StereoMethod};
 use rayon::prelude::*;
 
-use crate::baselines::{self, Baselines, Level};
-use crate::degrade::Degradation;
-use crate::disparity_map::DisparityMap;
 use crate::output::picture::{self, ColourRange};
-use crate::scene::Scene;
 use crate::score::Score;
-use crate::{Geometry, output, pipeline};
+use crate::score::baselines::{self, Baselines, Level};
+use crate::score::degrade::Degradation;
+use crate::score::scene::Scene;
+use crate::stereo::disparity_map::DisparityMap;
+use crate::{Geometry, output, stereo::pipeline};
 
 /// Builds an instance of a method.
 pub type Build<'a> = dyn Fn(Config) -> Result<Box<dyn StereoMethod + Send>, ConfigError> + Sync + 'a;
