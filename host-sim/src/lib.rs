@@ -2,13 +2,13 @@
 //! pictures.
 //!
 //! - in: [`image_file`] and [`frame`] read images, [`recording`] finds the frames of a recording,
-//!   [`raw_dump`] those in a camera port's bytes, [`rig_file`] reads what the cameras are like, [`scene`] reads a benchmark scene's folder, [`synthetic`] renders a scene with known truth, [`degrade`] makes
+//!   [`raw_dump`] those in a camera port's bytes, [`rig_file`] reads what the cameras are like, [`split`] halves a set of scenes, [`scene`] reads a benchmark scene's folder, [`synthetic`] renders a scene with known truth, [`degrade`] makes
 //!   frames worse on purpose, [`noise`] estimates how bad they are;
 //! - through: [`method`] is the registry of the stereo methods, [`pipeline`] runs one over a frame,
 //!   [`playback`] over a recording;
 //! - out: [`contour_picture`], [`disparity_map`], [`geometry`] (its depth), [`obstacles`], [`output`] (files and pictures),
 //!   [`packet_stream`] (maps from a chip's row packets);
-//! - judged: [`score`] and [`sparsification`], [`baselines`] (OpenCV's figures), [`evaluation`] of many
+//! - judged: [`score`], [`sparsification`] and [`confidence_classes`], [`baselines`] (OpenCV's figures), [`evaluation`] of many
 //!   scenes, [`ablation`] (what the parts of a method bring), [`report`];
 //! - on the chip: [`twin`] runs the firmware application in QEMU;
 //! - [`command`]: the commands of the `haarline` tool.
@@ -22,6 +22,7 @@
 pub mod ablation;
 pub mod baselines;
 pub mod command;
+pub mod confidence_classes;
 pub mod contour_picture;
 pub mod degrade;
 pub mod disparity_map;
@@ -43,6 +44,7 @@ pub mod rig_file;
 pub mod scene;
 pub mod score;
 pub mod sparsification;
+pub mod split;
 pub mod study;
 pub mod synthetic;
 pub mod twin;
