@@ -7,14 +7,14 @@ use anyhow::{Result, bail, ensure};
 
 use super::shared::{Benchmark, JsonOutput, MethodOptions, progress};
 use super::{Finding, natural_number, number};
-use crate::baselines::{Baselines, Level};
-use crate::degrade::Degradation;
-use crate::evaluation::{self, Evaluator, Mean, SceneScore};
-use crate::method::Method;
 use crate::output;
-use crate::report::Report;
-use crate::scene::{Region, Scene};
+use crate::score::baselines::{Baselines, Level};
+use crate::score::degrade::Degradation;
+use crate::score::evaluation::{self, Evaluator, Mean, SceneScore};
+use crate::score::report::Report;
+use crate::score::scene::{Region, Scene};
 use crate::score::{Figure, MapScore, Score};
+use crate::stereo::method::Method;
 
 /// Arguments of `haarline eval`.
 #[derive(Debug, clap::Args)]
@@ -177,7 +177,7 @@ fn check_limits(limits: &[Limit], mean: &MapScore) -> Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::confidence_classes::ConfidenceClasses;
+    use crate::score::confidence_classes::ConfidenceClasses;
 
     fn score(tot2: f64) -> MapScore {
         let all = Score { tot1: 100.0, tot2, ..Score::default() };

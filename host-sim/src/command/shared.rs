@@ -13,13 +13,13 @@ use haarline_rig::Description;
 use indicatif::{ProgressBar, ProgressState, ProgressStyle};
 
 use super::{print, whole_number};
-use crate::baselines::Baselines;
-use crate::method::{Method, MethodKind, check_config};
+use crate::input::recording::{Layout, Side};
 use crate::output;
-use crate::recording::{Layout, Side};
-use crate::scene::{find_scenes, read_meta};
-use crate::split::{Half, halves};
-use crate::{Geometry, rig_file};
+use crate::score::baselines::Baselines;
+use crate::score::scene::{find_scenes, read_meta};
+use crate::score::split::{Half, halves};
+use crate::stereo::method::{Method, MethodKind, check_config};
+use crate::{Geometry, input::rig_file};
 
 /// The search range.
 #[derive(Debug, clap::Args)]

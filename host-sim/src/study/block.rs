@@ -11,11 +11,11 @@ use haarline_tests::BlockSettings;
 
 use super::operations::Operations;
 use super::{Outcome, Part, Setup, Table};
-use crate::degrade::Degradation;
-use crate::evaluation::{Evaluator, Mean};
-use crate::method::{Method, MethodKind, on_large_stack};
-use crate::report::format_figure;
 use crate::score::Score;
+use crate::score::degrade::Degradation;
+use crate::score::evaluation::{Evaluator, Mean};
+use crate::score::report::format_figure;
+use crate::stereo::method::{Method, MethodKind, on_large_stack};
 
 /// A method as it takes part.
 #[derive(Debug, Clone, Copy)]
@@ -212,8 +212,8 @@ fn table(trials: &[Trial]) -> Table {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::Scene;
-    use crate::scene::{Meta, Truth};
+    use crate::score::scene::Scene;
+    use crate::score::scene::{Meta, Truth};
     use crate::{Frame, StereoPair};
     use indicatif::ProgressBar;
 

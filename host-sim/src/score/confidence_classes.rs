@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::sparsification::Sparsification;
+use crate::score::sparsification::Sparsification;
 
 /// How many classes there are, of as many confidences each.
 pub const CLASSES: usize = 16;

@@ -11,8 +11,8 @@ use std::path::{Path, PathBuf};
 use anyhow::{Result, anyhow};
 use serde::Deserialize;
 
-use crate::degrade::Degradation;
 use crate::score::Score;
+use crate::score::degrade::Degradation;
 
 /// The figures' methods: key in the file, and name.
 pub const METHODS: [(&str, &str); 3] = [("bm9", "StereoBM 9"), ("bm15", "StereoBM 15"), ("sgbm", "StereoSGBM")];

@@ -7,13 +7,13 @@ use anyhow::{Context, Result};
 use haarline::{Config, ConfigError, StereoMethod};
 use rayon::prelude::*;
 
-use crate::baselines::{self, Baselines, Level};
-use crate::degrade::Degradation;
-use crate::disparity_map::DisparityMap;
 use crate::output::picture::{self, ColourRange};
-use crate::scene::{Region, Scene};
+use crate::score::baselines::{self, Baselines, Level};
+use crate::score::degrade::Degradation;
+use crate::score::scene::{Region, Scene};
 use crate::score::{MapScore, Score};
-use crate::{Geometry, output, pipeline};
+use crate::stereo::disparity_map::DisparityMap;
+use crate::{Geometry, output, stereo::pipeline};
 
 /// Builds an instance of a method.
 pub type Build<'a> = dyn Fn(Config) -> Result<Box<dyn StereoMethod + Send>, ConfigError> + Sync + 'a;
@@ -155,7 +155,7 @@ fn write_maps(folder: &Path, scene: &Scene, map: &DisparityMap) -> Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::confidence_classes::ConfidenceClasses;
+    use crate::score::confidence_classes::ConfidenceClasses;
 
     fn scene(family: &str, tot2: f64, reference: Option<f64>) -> SceneScore {
         let all = |tot2| Score { density: 50.0, tot1: 100.0, tot2, ..Score::default() };

@@ -12,8 +12,8 @@ use haarline::{Config, Disparity};
 use image::DynamicImage;
 use serde::{Deserialize, Serialize};
 
-use crate::image_file;
-use crate::method::check_config;
+use crate::input::image_file;
+use crate::stereo::method::check_config;
 use crate::{DisparityMap, StereoPair};
 
 /// The files that a scene consists of.

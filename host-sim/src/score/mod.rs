@@ -5,13 +5,23 @@
 //! *more* than N px. Everything is counted in whole numbers of 1/256 px, so nothing is rounded
 //! before the last division.
 
+pub mod ablation;
+pub mod baselines;
+pub mod confidence_classes;
+pub mod degrade;
+pub mod evaluation;
+pub mod report;
+pub mod scene;
+pub mod sparsification;
+pub mod split;
+
 use haarline::Disparity;
 use serde::Serialize;
 
 use crate::DisparityMap;
-use crate::confidence_classes::ConfidenceClasses;
-use crate::scene::{Region, Truth};
-use crate::sparsification::Sparsification;
+use crate::score::confidence_classes::ConfidenceClasses;
+use crate::score::scene::{Region, Truth};
+use crate::score::sparsification::Sparsification;
 
 /// Steps of 1/256 px in a step of [`Disparity`].
 const Q8_PER_STEP: i32 = 1 << (8 - Disparity::FRAC_BITS);

@@ -6,10 +6,10 @@ use std::path::Path;
 use comfy_table::{CellAlignment, ContentArrangement, Row, Table};
 use serde::Serialize;
 
-use crate::baselines::{Baselines, Level, METHODS};
-use crate::degrade::Degradation;
-use crate::evaluation::{Mean, SceneScore};
-use crate::scene::Region;
+use crate::score::baselines::{Baselines, Level, METHODS};
+use crate::score::degrade::Degradation;
+use crate::score::evaluation::{Mean, SceneScore};
+use crate::score::scene::Region;
 use crate::score::{LEAST_DEFAULT_CONFIDENCE, MapScore, Score};
 
 /// Everything that an evaluation found.

@@ -9,13 +9,13 @@ use haarline::full::Exhaustive;
 use haarline::{Config, ConfigError, Full, Parts, StereoMethod, blocks_for};
 use serde::Serialize;
 
-use crate::baselines::Baselines;
-use crate::degrade::Degradation;
-use crate::evaluation::{Evaluator, Mean};
-use crate::method::{MethodKind, on_large_stack};
-use crate::report::{self, format_figure};
-use crate::scene::Scene;
+use crate::score::baselines::Baselines;
+use crate::score::degrade::Degradation;
+use crate::score::evaluation::{Evaluator, Mean};
+use crate::score::report::{self, format_figure};
+use crate::score::scene::Scene;
 use crate::score::{MapScore, Score};
+use crate::stereo::method::{MethodKind, on_large_stack};
 
 /// Blocks for the widest rows.
 const BLOCKS: usize = blocks_for(Config::MAX_WIDTH);
