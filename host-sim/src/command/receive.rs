@@ -41,7 +41,7 @@ impl Args {
         let bytes = fs::read(&self.packets).with_context(|| self.packets.display().to_string())?;
         output::prepare_folder("-o", &self.output)?;
         let mut stream = PacketStream::new();
-        let mut frames = stream.push(&bytes);
+        let mut frames: Vec<ReceivedFrame> = stream.push(&bytes).collect();
         frames.extend(stream.finish());
         for (frame, name) in frames.iter().zip(names(frames.iter().map(|frame| frame.number))) {
             output::write(&self.output.join(name), &pfm::encode(&frame.map))?;
