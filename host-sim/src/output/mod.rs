@@ -2,6 +2,7 @@
 //! the final name.
 
 pub mod contour_picture;
+pub mod growing;
 pub mod kitti_png;
 mod legend;
 pub mod obstacle_strip;
