@@ -15,9 +15,9 @@ use dsp as chosen;
 #[cfg(not(dsp))]
 use portable as chosen;
 
-pub use chosen::{at_least, census_words, max, max_halves, min_halves};
+pub use chosen::{at_least, census_words, max_halves, min_halves};
 #[cfg(not(dsp))]
-pub use portable::saturating_sub;
+pub use portable::{max, saturating_sub};
 
 /// The same byte four times.
 #[inline(always)]
@@ -34,6 +34,7 @@ pub fn count_ones(word: u32) -> u32 {
 }
 
 /// The greatest of the four bytes, in all of them.
+#[cfg(not(dsp))]
 #[inline(always)]
 pub fn greatest(word: u32) -> u32 {
     let pairs = max(word, word.rotate_right(16));

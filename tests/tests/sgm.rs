@@ -103,3 +103,11 @@ fn what_is_out_of_range_or_capacity_is_refused() {
     assert_eq!(refused(Config { num_disparities: 33, ..valid }), Some(capacity));
     assert_eq!(refused(Config { num_disparities: 0, ..valid }), Some(ConfigError::NumDisparities));
 }
+
+#[test]
+fn an_instance_takes_what_its_documentation_says() {
+    let by_formula = |width: usize, words: usize| width * (12 * words + 43);
+    let (small, large) = (size_of::<Sgm<320, { words_for(48) }>>(), size_of::<Sgm<1280, { words_for(256) }>>());
+    assert!((0..2048).contains(&(small - by_formula(320, 12))), "{small}");
+    assert!((0..2048).contains(&(large - by_formula(1280, 64))), "{large}");
+}

@@ -3,9 +3,11 @@
 use crate::simd::census_words;
 
 /// Rows above and below that a census looks at, and columns beside.
-pub(super) const REACH: usize = 2;
+pub(super) const REACH: u32 = 2;
+/// The same as an index.
+const BESIDE: usize = REACH as usize;
 /// Rows that it takes.
-pub(super) const ROWS: usize = 2 * REACH + 1;
+pub(super) const ROWS: usize = 2 * BESIDE + 1;
 
 /// Signs of the eight pixels of a diamond around each pixel of the middle row: a bit is set where the
 /// neighbour is darker. At the ends of the row its first and last pixel stand for those beyond.
@@ -13,13 +15,13 @@ pub(super) const ROWS: usize = 2 * REACH + 1;
 /// The rows have the length of `out`, 8 px at least.
 pub(super) fn census(rows: [&[u8]; ROWS], out: &mut [u8]) {
     let width = out.len();
-    let inner = width - 2 * REACH;
+    let inner = width - 2 * BESIDE;
     let (whole, rest) = (inner / 4 * 4, inner % 4);
-    census_words(rows, &mut out[REACH..][..whole]);
+    census_words(rows, &mut out[BESIDE..][..whole]);
     if rest > 0 {
         // The last word overlaps the one before.
         let last = inner - 4;
-        census_words(rows.map(|row| &row[last..]), &mut out[last + REACH..][..4]);
+        census_words(rows.map(|row| &row[last..]), &mut out[last + BESIDE..][..4]);
     }
     for x in [0, 1, width - 2, width - 1] {
         out[x] = signs(rows, x);
@@ -28,7 +30,7 @@ pub(super) fn census(rows: [&[u8]; ROWS], out: &mut [u8]) {
 
 /// The signs of one pixel, wherever it is.
 fn signs(rows: [&[u8]; ROWS], x: usize) -> u8 {
-    let last = rows[REACH].len() - 1;
+    let last = rows[BESIDE].len() - 1;
     let left = |by: usize| x.saturating_sub(by);
     let right = |by: usize| (x + by).min(last);
     let neighbours = [
@@ -41,7 +43,7 @@ fn signs(rows: [&[u8]; ROWS], x: usize) -> u8 {
         rows[3][right(1)],
         rows[4][x],
     ];
-    neighbours.into_iter().fold(0, |bits, other| bits << 1 | u8::from(other < rows[REACH][x]))
+    neighbours.into_iter().fold(0, |bits, other| bits << 1 | u8::from(other < rows[BESIDE][x]))
 }
 
 #[cfg(test)]
@@ -58,8 +60,8 @@ mod tests {
             let rows = pixels.each_ref().map(|row| &row[..width]);
             let mut out = [0; 32];
             census(rows, &mut out[..width]);
-            for x in 0..width {
-                prop_assert_eq!(out[x], signs(rows, x), "column {} of {}", x, width);
+            for (x, &out) in out[..width].iter().enumerate() {
+                prop_assert_eq!(out, signs(rows, x), "column {} of {}", x, width);
             }
         }
     }

@@ -91,12 +91,12 @@ mod tests {
         ) {
             let mut out = [Disparity::UNKNOWN; 16];
             median(values.each_ref().map(|row| &row[..width]), &mut out[..width]);
-            for x in 0..width {
+            for (x, out) in out[..width].iter().enumerate() {
                 let columns = [x.saturating_sub(1), x, (x + 1).min(width - 1)];
                 let mut nine = values.map(|row| columns.map(|x| row[x]));
                 let nine = nine.as_flattened_mut();
                 nine.sort_unstable();
-                prop_assert_eq!(out[x].into_bits(), nine[4], "column {} of {}", x, width);
+                prop_assert_eq!(out.into_bits(), nine[4], "column {} of {}", x, width);
             }
         }
     }

@@ -6,6 +6,7 @@ use crate::simd::at_least;
 
 /// One step of a disparity's bits is a pixel over this.
 const STEPS: u32 = 1 << Disparity::FRAC_BITS;
+const HALF: isize = 1 << (Disparity::FRAC_BITS - 1);
 
 /// The first label whose sum is `best`, in all bytes, which one of the first `labels` has; and by how much the
 /// parabola through its neighbours' sums is highest before it, 1/16 px, rounded, halves up.
@@ -37,5 +38,5 @@ fn refined(before: u32, after: u32) -> isize {
     }
     // `16 (after - before) / (2 curvature) + 1 / 2`, over its least, which is -8.
     let over = (STEPS * after + curvature / 2) / curvature;
-    (over as usize).cast_signed() - (STEPS / 2) as isize
+    (over as usize).cast_signed() - HALF
 }

@@ -26,9 +26,6 @@ macro_rules! registers {
 }
 
 registers! {
-    /// The greater byte of each pair.
-    fn max(a, b;) { "usub8 {out}, {a}, {b}" "sel {out}, {a}, {b}" }
-
     /// All bits of each byte that is not less than that of `b`.
     fn at_least(a, b; all = u32::MAX, none = 0_u32) { "usub8 {out}, {a}, {b}" "sel {out}, {all}, {none}" }
 
