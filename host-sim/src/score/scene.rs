@@ -2,22 +2,25 @@
 //!
 //! A scene's folder holds `left.png` and `right.png`; `truth.png`, 16 bits, the disparity of the left
 //! view x 256, 0 = unknown; `nonocc.png`, 255 where both cameras see the point; and `meta.json` with
-//! `num_disparities`, the search range to use, and `family`, the kind of scene.
+//! `num_disparities`, the search range to use, and `family`, the kind of scene. `rig.toml` may be there, too.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, anyhow, ensure};
 use haarline::{Config, Disparity};
+use haarline_rig::Description;
 use image::DynamicImage;
 use serde::{Deserialize, Serialize};
 
-use crate::input::image_file;
+use crate::input::{image_file, rig_file};
 use crate::stereo::method::check_config;
 use crate::{DisparityMap, StereoPair};
 
 /// The files that a scene consists of.
 const FILES: [&str; 5] = ["left.png", "right.png", "truth.png", "nonocc.png", "meta.json"];
+/// The rig that it was seen by: may be missing.
+pub const RIG_FILE: &str = "rig.toml";
 
 /// What `meta.json` tells; more keys may be there.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -41,6 +44,17 @@ impl Meta {
     }
 }
 
+/// Which of the pixels with known truth. Each is in one region.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Region {
+    /// Seen by both cameras, in column [`Truth::first_column`] or right of it: what is scored as a rule.
+    Scored,
+    /// Hidden from the right camera, or outside of its view.
+    Occluded,
+    /// Seen by both cameras, left of column [`Truth::first_column`].
+    LeftBand,
+}
+
 /// The true disparities of a left view, and where they count.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Truth {
@@ -55,17 +69,33 @@ pub struct Truth {
 }
 
 impl Truth {
+    /// The region of the pixel of that index; `None` where the truth is unknown.
+    #[must_use]
+    pub fn region(&self, index: usize) -> Option<Region> {
+        let is_reached = index % self.width >= self.first_column;
+        (self.disparity_q8[index] != 0).then_some(match (self.seen_by_both[index], is_reached) {
+            (true, true) => Region::Scored,
+            (true, false) => Region::LeftBand,
+            (false, _) => Region::Occluded,
+        })
+    }
+
     /// Whether the pixel of that index is scored.
     #[must_use]
     pub fn is_scored(&self, index: usize) -> bool {
-        self.disparity_q8[index] != 0 && self.seen_by_both[index] && index % self.width >= self.first_column
+        self.region(index) == Some(Region::Scored)
+    }
+
+    /// Indices of the pixels of a region with their true disparities, 1/256 px.
+    pub fn pixels(&self, region: Region) -> impl Iterator<Item = (usize, u16)> {
+        (0..self.disparity_q8.len())
+            .filter(move |&index| self.region(index) == Some(region))
+            .map(|index| (index, self.disparity_q8[index]))
     }
 
     /// Indices of the scored pixels with their true disparities, 1/256 px.
     pub fn scored(&self) -> impl Iterator<Item = (usize, u16)> {
-        (0..self.disparity_q8.len())
-            .filter(|&index| self.is_scored(index))
-            .map(|index| (index, self.disparity_q8[index]))
+        self.pixels(Region::Scored)
     }
 
     /// The truth as a map, in the fixed point of an answer, to look at.
@@ -98,6 +128,8 @@ pub struct Scene {
     pub truth: Truth,
     /// What else is known.
     pub meta: Meta,
+    /// The rig it was seen by, if that is known.
+    pub rig: Option<Description>,
 }
 
 impl Scene {
@@ -113,7 +145,12 @@ impl Scene {
         let name = folder.canonicalize()?.file_name().map(|name| name.to_string_lossy().into_owned());
         let meta = read_meta(&folder.join("meta.json"))?;
         let pair = StereoPair::read(&folder.join("left.png"), &folder.join("right.png"))?;
-        let scene = Self { name: name.unwrap_or_default(), truth: read_truth(folder, &pair, &meta)?, pair, meta };
+        let rig_path = folder.join(RIG_FILE);
+        let rig = rig_path.is_file().then(|| rig_file::read(&rig_path)).transpose()?;
+        if let Some(rig) = &rig {
+            rig_file::check_size(rig, [pair.width(), pair.height()]).with_context(|| rig_path.display().to_string())?;
+        }
+        let scene = Self { name: name.unwrap_or_default(), truth: read_truth(folder, &pair, &meta)?, pair, meta, rig };
         check_config(&scene.config(), "num_disparities")
             .with_context(|| folder.join("meta.json").display().to_string())?;
         ensure!(
@@ -162,7 +199,8 @@ fn is_scene(folder: &Path) -> bool {
     FILES[..3].iter().any(|file| folder.join(file).is_file())
 }
 
-fn read_meta(path: &Path) -> Result<Meta> {
+/// Reads a scene's `meta.json`.
+pub(crate) fn read_meta(path: &Path) -> Result<Meta> {
     let text = fs::read_to_string(path).map_err(|error| anyhow!("{}: cannot be read: {error}", path.display()))?;
     serde_json::from_str(&text)
         .map_err(|error| anyhow!("{}: needs \"num_disparities\", a whole number: {error}", path.display()))
