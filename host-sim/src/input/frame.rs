@@ -197,8 +197,7 @@ impl Shrink {
         let pixels = (0..width * height).map(|index| (index % width, index / width));
         let colour = frame.colour.as_ref().map(|colour| {
             RgbImage::from_fn(width as u32, height as u32, |x, y| {
-                let channel =
-                    |c: usize| mean(&|x, y| colour.get_pixel(x as u32, y as u32)[c], x as usize, y as usize);
+                let channel = |c: usize| mean(&|x, y| colour.get_pixel(x as u32, y as u32)[c], x as usize, y as usize);
                 image::Rgb([channel(0), channel(1), channel(2)])
             })
         });

@@ -87,10 +87,8 @@ fn find_folders(folder: &Path) -> Result<Option<[PathBuf; 2]>> {
         let relative = path.strip_prefix(folder).unwrap_or(path).display();
         format!("'{relative}/*'")
     };
-    let told: Vec<String> = pairs
-        .iter()
-        .map(|[left, right]| format!("--left {} --right {}", pattern(left), pattern(right)))
-        .collect();
+    let told: Vec<String> =
+        pairs.iter().map(|[left, right]| format!("--left {} --right {}", pattern(left), pattern(right))).collect();
     ensure!(
         pairs.len() < 2,
         "{}: has folders of more than two cameras, tell which: {}",

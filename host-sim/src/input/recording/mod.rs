@@ -145,7 +145,9 @@ pub fn find_frames(folder: &Path, layout: Layout) -> Result<Vec<RecordedFrame>> 
 fn find_split(folder: &Path, split: Split, first: Side) -> Result<Vec<RecordedFrame>> {
     let images = views::images(folder)?;
     ensure!(!images.is_empty(), "{}: no image in it, where frames with both views are expected", folder.display());
-    let frame = |(index, path): (usize, PathBuf)| RecordedFrame::new(index, views::stem(&path), Source::Both(path, split, first));
+    let frame = |(index, path): (usize, PathBuf)| {
+        RecordedFrame::new(index, views::stem(&path), Source::Both(path, split, first))
+    };
     Ok(images.into_iter().enumerate().map(frame).collect())
 }
 
@@ -164,9 +166,7 @@ fn film_advice(film: &Path) -> String {
 /// # Errors
 /// If the file cannot be read or has not even one frame.
 pub fn find_raw_frames(path: &Path, format: RawFormat) -> Result<Vec<RecordedFrame>> {
-    let frame = |index| {
-        RecordedFrame::new(index, format!("{index:06}"), Source::Raw(path.to_owned(), format, index))
-    };
+    let frame = |index| RecordedFrame::new(index, format!("{index:06}"), Source::Raw(path.to_owned(), format, index));
     Ok((0..format.count_frames(path)?).map(frame).collect())
 }
 
