@@ -10,6 +10,7 @@ pub mod baselines;
 pub mod confidence_classes;
 pub mod degrade;
 pub mod evaluation;
+pub mod map_file;
 pub mod report;
 pub mod scene;
 pub mod sparsification;

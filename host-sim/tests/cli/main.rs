@@ -9,6 +9,7 @@
 
 mod bad_input;
 mod contours;
+mod degradation;
 mod demo;
 mod depth;
 mod eval;
