@@ -9,9 +9,10 @@ use super::Finding;
 use super::degradation::DegradationOptions;
 use super::shared::{Benchmark, JsonOutput, MethodOptions, progress};
 use crate::output;
-use crate::score::evaluation::{self, Evaluator, Mean, Source};
+use crate::score::evaluation::{self, Evaluator, Evidence, Mean, Source};
 use crate::score::report::{Report, Treatment};
 use crate::score::scene::Region;
+use crate::score::sure::SURE;
 use crate::score::{Figure, MapScore, Score};
 
 /// Arguments of `haarline eval`.
@@ -42,6 +43,16 @@ pub(super) struct Args {
     /// Scores the columns left of the number of disparities, too, apart
     #[arg(long)]
     left_band: bool,
+    /// Shows what the sure answers are worth: their share, how many of them are wrong or too near, the worst scene
+    #[arg(long)]
+    sure: bool,
+    /// From this confidence on an answer is sure, 1 to 255 [default: 64]
+    #[arg(long, value_name = "C", value_parser = clap::value_parser!(u8).range(1..))]
+    sure_from: Option<u8>,
+    /// Looks for obstacles in the map and in the truth: how many are found, missed, told too far, and phantoms;
+    /// with the scene's rig.toml if it has one, else everything is in the way
+    #[arg(long)]
+    obstacles: bool,
     #[command(flatten)]
     json: JsonOutput,
     /// Writes <scene>.pfm, <scene>_confidence.png and <scene>_picture.png of every scene
@@ -107,6 +118,7 @@ impl Args {
             apart: &apart,
             maps: self.output.as_deref(),
             views: self.write_views.as_deref(),
+            evidence: Evidence { sure_from: self.sure_from.unwrap_or(SURE), obstacles: self.obstacles },
         };
         let progress = progress(scenes.len(), "scenes")?;
         let scores = evaluator.run(&scenes, || progress.inc(1));
@@ -126,6 +138,7 @@ impl Args {
             baselines,
             scenes: &scores,
             mean: &mean,
+            shows_sure: self.sure,
         };
         self.json.deliver(|| Ok(report.json()?), || report.text())?;
         check_limits(&self.fail_over, &mean.score)

@@ -231,7 +231,7 @@ mod tests {
             first_column: 16,
         };
         let meta = Meta { num_disparities: 16, family: "random".to_owned(), focal_px: None, baseline_mm: None };
-        Scene { name: "random".to_owned(), pair: StereoPair { left: view(0), right: view(5) }, truth, meta }
+        Scene { name: "random".to_owned(), pair: StereoPair { left: view(0), right: view(5) }, truth, meta, rig: None }
     }
 
     #[test]
