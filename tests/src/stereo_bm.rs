@@ -246,6 +246,7 @@ impl<S: Sums, const WIDTH: usize, const WINDOW: usize, C: StageClock> BlockMatch
     }
 
     /// Fills in the window's centre, column `x`, if its winner passes the gates.
+    #[inline(always)]
     fn decide(&mut self, x: usize) {
         count::comparisons(1);
         if self.window_texture < self.settings.texture_threshold {

@@ -8,9 +8,9 @@ mod dsp;
 mod portable;
 
 #[cfg(dsp)]
-pub use dsp::{descend, slide};
+pub use dsp::{descend, first_of_group, least_of_group, slide};
 #[cfg(not(dsp))]
-pub use portable::{descend, slide};
+pub use portable::{descend, first_of_group, least_of_group, slide};
 
 /// Labels whose least sum is kept.
 pub const GROUP: usize = 16;

@@ -4,7 +4,7 @@ use haarline::{Config, count};
 
 use super::sums::{Place, Step, Sums};
 use super::winner::Winner;
-use crate::simd::sad::{GROUP, Labels, descend, place, slide};
+use crate::simd::sad::{GROUP, Labels, descend, first_of_group, least_of_group, place, slide};
 use crate::simd::{at_most_halves, min_unsigned_halves};
 
 /// The sums of a window that moves down and to the right, by running sums: down within each cost column, then along
@@ -15,8 +15,8 @@ pub struct AbsoluteSums<const WIDTH: usize, const DISPARITIES: usize> {
     columns: [Labels<DISPARITIES>; WIDTH],
     /// Over the whole window.
     window: Labels<DISPARITIES>,
-    /// The least sums of each group's even and odd places.
-    leasts: [[u16; 2]; Config::MAX_DISPARITIES as usize / GROUP],
+    /// The least sums of each group's even places in the lower halves, of its odd ones in the upper.
+    leasts: [u32; Config::MAX_DISPARITIES as usize / GROUP],
 }
 
 impl<const WIDTH: usize, const DISPARITIES: usize> AbsoluteSums<WIDTH, DISPARITIES> {
@@ -24,25 +24,24 @@ impl<const WIDTH: usize, const DISPARITIES: usize> AbsoluteSums<WIDTH, DISPARITI
     const NOTHING: &Labels<DISPARITIES> = &Labels::EMPTY;
 
     /// The winner where all groups are whole.
+    #[inline(always)]
     fn winner_of_groups(&mut self, searched: usize) -> Winner {
-        let leasts = &self.leasts[..searched / GROUP];
-        let least = leasts.iter().fold(u32::MAX, |least, &group| min_unsigned_halves(least, word(group)));
-        let least = min_unsigned_halves(least, least.rotate_right(16));
-        let group = leasts.iter().position(|&group| at_most_halves(word(group), least) != 0).unwrap_or(0);
-        let index = GROUP * group + first_of_group(&self.window.0[GROUP * group..], least);
+        let leasts = &mut self.leasts[..searched / GROUP];
+        let least = least_of_all(leasts);
+        let group = leasts.iter().position(|&group| at_most_halves(group, least) != 0).unwrap_or(0);
+        let index = GROUP * group + first_of_group(&self.window, group, least);
 
         // A rival is another: these do not count while it is looked for.
         let (low, high) = (index.saturating_sub(1), (index + 1).min(searched - 1));
         let places = [low, index, high].map(|label| place(label, searched));
         let around = places.map(|place| self.window.0[place]);
         places.iter().for_each(|&place| self.window.0[place] = u16::MAX);
-        let mut rival = u32::MAX;
-        for (number, &group) in leasts.iter().enumerate() {
-            let is_changed = number == low / GROUP || number == high / GROUP;
-            let least = if is_changed { least_of_group(&self.window.0[GROUP * number..]) } else { word(group) };
-            rival = min_unsigned_halves(rival, least);
+        // Sliding on makes them anew.
+        leasts[low / GROUP] = least_of_group(&self.window, low / GROUP);
+        if high / GROUP > low / GROUP {
+            leasts[high / GROUP] = least_of_group(&self.window, high / GROUP);
         }
-        rival = min_unsigned_halves(rival, rival.rotate_right(16));
+        let rival = least_of_all(leasts);
         places.iter().zip(around).for_each(|(&place, sum)| self.window.0[place] = sum);
 
         let [before, cost, after] = around.map(u32::from);
@@ -51,6 +50,8 @@ impl<const WIDTH: usize, const DISPARITIES: usize> AbsoluteSums<WIDTH, DISPARITI
     }
 
     /// The same for any number of labels.
+    #[cold]
+    #[inline(never)]
     fn winner_of_any(&self, searched: usize) -> Winner {
         let mut costs = [0; Config::MAX_DISPARITIES as usize];
         for (label, cost) in costs[..searched].iter_mut().enumerate() {
@@ -67,7 +68,7 @@ impl<const WIDTH: usize, const DISPARITIES: usize> Sums for AbsoluteSums<WIDTH, 
         Self {
             columns: [Labels::EMPTY; WIDTH],
             window: Labels::EMPTY,
-            leasts: [[0; 2]; Config::MAX_DISPARITIES as usize / GROUP],
+            leasts: [0; Config::MAX_DISPARITIES as usize / GROUP],
         }
     }
 
@@ -114,36 +115,9 @@ impl<const WIDTH: usize, const DISPARITIES: usize> Sums for AbsoluteSums<WIDTH, 
     }
 }
 
-/// Four words of pairs at a time, of the first group.
+/// The least of all, in both halves.
 #[inline(always)]
-fn fours(sums: &[u16]) -> &[[u16; 4]] {
-    &sums.as_chunks().0[..GROUP / 4]
-}
-
-/// The first label of the group whose sum is `least`, in both halves, or the last.
-#[inline(always)]
-fn first_of_group(sums: &[u16], least: u32) -> usize {
-    let mut label = 0;
-    for &[first, third, second, fourth] in fours(sums) {
-        let odd = at_most_halves(word([second, fourth]), least) & 0xff00_ff00;
-        let hits = at_most_halves(word([first, third]), least) & 0x00ff_00ff | odd;
-        if hits != 0 {
-            return label + hits.trailing_zeros() as usize / 8;
-        }
-        label += 4;
-    }
-    label - 1
-}
-
-/// The least sums of the group's even and odd places.
-#[inline(always)]
-fn least_of_group(sums: &[u16]) -> u32 {
-    fours(sums).iter().fold(u32::MAX, |least, &[a, b, c, d]| {
-        min_unsigned_halves(min_unsigned_halves(least, word([a, b])), word([c, d]))
-    })
-}
-
-#[inline(always)]
-fn word([low, high]: [u16; 2]) -> u32 {
-    u32::from(low) | u32::from(high) << 16
+fn least_of_all(leasts: &[u32]) -> u32 {
+    let least = leasts.iter().fold(u32::MAX, |least, &group| min_unsigned_halves(least, group));
+    min_unsigned_halves(least, least.rotate_right(16))
 }

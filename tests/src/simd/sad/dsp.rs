@@ -80,13 +80,13 @@ macro_rules! slide_four {
 }
 
 /// Slides the sums of `labels` of a window on: what enters is added, what leaves is subtracted. In `leasts` are those of
-/// each group: of its even and of its odd places.
+/// each group: of its even places in the lower half, of its odd ones in the upper.
 #[inline(always)]
 pub fn slide<const LABELS: usize>(
     window: &mut Labels<LABELS>,
     columns: Step<&Labels<LABELS>>,
     labels: usize,
-    leasts: &mut [[u16; 2]],
+    leasts: &mut [u32],
 ) {
     if labels == 0 || !labels.is_multiple_of(GROUP) {
         return portable::slide(window, columns, labels, leasts);
@@ -120,4 +120,85 @@ pub fn slide<const LABELS: usize>(
             options(nostack)
         );
     }
+}
+
+/// Leaves with the hits among four labels, each in its byte.
+macro_rules! hits_of_four {
+    () => {
+        concat!(
+            "ldrd {a}, {b}, [{sums}], #8\n",
+            "usub16 {t}, {least}, {a}\n",
+            "sel {a}, {even}, {none}\n",
+            "usub16 {t}, {least}, {b}\n",
+            "sel {b}, {odd}, {none}\n",
+            "orrs {a}, {a}, {b}\n",
+        )
+    };
+}
+
+/// The label of a whole group whose sum is `least`, in both halves, from the group's first on; of several the first.
+/// One has it.
+#[inline(always)]
+pub fn first_of_group<const LABELS: usize>(sums: &Labels<LABELS>, group: usize, least: u32) -> usize {
+    let sums = &sums.0[GROUP * group..][..GROUP];
+    let (hits, behind): (u32, *const u16);
+    // SAFETY: it reads sixteen sums at most.
+    unsafe {
+        asm!(
+            hits_of_four!(),
+            "bne 2f",
+            hits_of_four!(),
+            "bne 2f",
+            hits_of_four!(),
+            "bne 2f",
+            hits_of_four!(),
+            "2:",
+            sums = inout(reg) sums.as_ptr() => behind,
+            least = in(reg) least,
+            even = in(reg) 0x00ff_00ff_u32,
+            odd = in(reg) 0xff00_ff00_u32,
+            none = in(reg) 0_u32,
+            a = out(reg) hits,
+            b = out(reg) _,
+            t = out(reg) _,
+            options(nostack, readonly)
+        );
+    }
+    (behind.addr() - sums.as_ptr().addr()) / 2 - 4 + hits.trailing_zeros() as usize / 8
+}
+
+/// Keeps the lesser halves of four labels.
+macro_rules! least_of_four {
+    () => {
+        concat!(
+            "ldrd {a}, {b}, [{sums}], #8\n",
+            "usub16 {t}, {a}, {least}\n",
+            "sel {least}, {least}, {a}\n",
+            "usub16 {t}, {b}, {least}\n",
+            "sel {least}, {least}, {b}\n",
+        )
+    };
+}
+
+/// The least sums of a whole group's even and odd places.
+#[inline(always)]
+pub fn least_of_group<const LABELS: usize>(sums: &Labels<LABELS>, group: usize) -> u32 {
+    let sums = &sums.0[GROUP * group..][..GROUP];
+    let mut least = u32::MAX;
+    // SAFETY: it reads sixteen sums.
+    unsafe {
+        asm!(
+            least_of_four!(),
+            least_of_four!(),
+            least_of_four!(),
+            least_of_four!(),
+            sums = inout(reg) sums.as_ptr() => _,
+            least = inout(reg) least,
+            a = out(reg) _,
+            b = out(reg) _,
+            t = out(reg) _,
+            options(nostack, readonly)
+        );
+    }
+    least
 }

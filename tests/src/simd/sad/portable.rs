@@ -22,12 +22,12 @@ pub fn descend<const LABELS: usize>(sums: &mut Labels<LABELS>, left: Step<u8>, r
 }
 
 /// Slides the sums of `labels` of a window on: what enters is added, what leaves is subtracted. In `leasts` are those of
-/// each group: of its even and of its odd places.
+/// each group: of its even places in the lower half, of its odd ones in the upper.
 pub fn slide<const LABELS: usize>(
     window: &mut Labels<LABELS>,
     columns: Step<&Labels<LABELS>>,
     labels: usize,
-    leasts: &mut [[u16; 2]],
+    leasts: &mut [u32],
 ) {
     let window = window.0[..labels].chunks_mut(GROUP);
     let columns = columns.entering.0.chunks(GROUP).zip(columns.leaving.0.chunks(GROUP));
@@ -37,8 +37,27 @@ pub fn slide<const LABELS: usize>(
         }
         let every_second =
             |first: usize| window.iter().skip(first).step_by(2).fold(u16::MAX, |least, &sum| least.min(sum));
-        *least = [0, 1].map(every_second);
+        *least = word([0, 1].map(every_second));
     }
+}
+
+/// The label of a whole group whose sum is `least`, in both halves, from the group's first on; of several the first.
+/// One has it.
+#[cfg(any(not(dsp), test))]
+pub fn first_of_group<const LABELS: usize>(sums: &Labels<LABELS>, group: usize, least: u32) -> usize {
+    let sums = &sums.0[GROUP * group..][..GROUP];
+    (0..GROUP).find(|&label| u32::from(sums[super::place(label, GROUP)]) == least & 0xffff).unwrap_or(0)
+}
+
+/// The least sums of a whole group's even and odd places.
+#[cfg(any(not(dsp), test))]
+pub fn least_of_group<const LABELS: usize>(sums: &Labels<LABELS>, group: usize) -> u32 {
+    let pairs = sums.0[GROUP * group..][..GROUP].as_chunks::<2>().0;
+    word(pairs.iter().fold([u16::MAX; 2], |least, pair| [least[0].min(pair[0]), least[1].min(pair[1])]))
+}
+
+fn word([low, high]: [u16; 2]) -> u32 {
+    u32::from(low) | u32::from(high) << 16
 }
 
 fn difference(one: u8, other: u8) -> u16 {
