@@ -121,7 +121,7 @@ def main():
         done = subprocess.run([*command, "--only", "kitti15_000010"], capture_output=True, text=True)
         assert done.returncode == 1 and "NOT EQUAL: left.png" in done.stdout, done.stdout
         nothing = subprocess.run([*command, "--only", "wood1"], capture_output=True, text=True)
-        assert nothing.returncode == 2 and "wood1 (Wood1/view1.png)" in nothing.stdout, nothing.stdout
+        assert nothing.returncode == 2 and "wood1 (Wood1/disp1.png)" in nothing.stdout, nothing.stdout
     print("seven scenes made of the sites' layouts are those of the checksums")
 
 
