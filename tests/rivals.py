@@ -1,14 +1,15 @@
 #!/usr/bin/env python3
-"""Scores our methods and OpenCV's StereoSGBM, raw and with the same gifts, in every condition, by one scorer.
+"""Scores our methods and OpenCV's StereoSGBM (and ELAS), raw and with the same gifts, in every condition, by one scorer.
 
-    tests/rivals.py HAARLINE SCENES [--docs docs/accuracy.md] [--json FILE] [--conditions clean,"noise 10"]
+    tests/rivals.py HAARLINE SCENES [--docs docs/rivals.md] [--json FILE] [--conditions clean,"noise 10"]
 
 The gifts are those that we give ourselves: the front end's smoothing by the noise (`eval --smooth`) before, the
 filling of holes (`eval --fill`) after. `full` and `lite` smooth already, so they get the filling only. OpenCV sees the
 views that our methods see (`eval --write-views`), and its maps are scored by `eval --maps`. With --docs the tables
 between the marks in that file are replaced.
 
-Needs numpy and opencv-python-headless.
+Needs numpy and opencv-python-headless. With pyelas, the Python binding of libelas, ELAS is one more row; to build it,
+pip install wheel; CFLAGS=-I$(python3 -c 'import numpy; print(numpy.get_include())') pip install --no-build-isolation pyelas
 """
 import argparse
 import json
@@ -19,6 +20,11 @@ from pathlib import Path
 
 import cv2
 import numpy as np
+
+try:
+    from elas import Elas
+except ImportError:
+    Elas = None
 
 CONDITIONS = {
     "clean": [],
@@ -49,11 +55,25 @@ def sgbm(num_disparities, mode, uniqueness):
     )  # fmt: skip
 
 
-OPENCV = {
-    "SGBM": lambda nd: sgbm(nd, cv2.STEREO_SGBM_MODE_SGBM, 10),
-    "SGBM_3WAY": lambda nd: sgbm(nd, cv2.STEREO_SGBM_MODE_SGBM_3WAY, 0),
-    "SGBM_HH": lambda nd: sgbm(nd, cv2.STEREO_SGBM_MODE_HH, 0),
+def opencv(mode, uniqueness):
+    return lambda num_disparities, left, right: sgbm(num_disparities, mode, uniqueness).compute(left, right) / 16.0
+
+
+def elas(num_disparities, left, right):
+    """With its own default parameters, those for robotics."""
+    method = Elas()
+    method.disp_max = num_disparities - 1
+    return method.process(left, right)[0]
+
+
+# Disparities in px; what is negative is unknown.
+RIVALS = {
+    "SGBM": opencv(cv2.STEREO_SGBM_MODE_SGBM, 10),
+    "SGBM_3WAY": opencv(cv2.STEREO_SGBM_MODE_SGBM_3WAY, 0),
+    "SGBM_HH": opencv(cv2.STEREO_SGBM_MODE_HH, 0),
 }
+if Elas:
+    RIVALS["ELAS"] = elas
 
 
 def write_pfm(path, disparity):
@@ -63,14 +83,14 @@ def write_pfm(path, disparity):
         file.write(disparity[::-1].astype("<f4").tobytes())
 
 
-def match(build, scenes, views, maps):
-    """OpenCV's maps of the views in `views`."""
+def match(method, scenes, views, maps):
+    """A rival's maps of the views in `views`."""
     maps.mkdir()
     for folder in sorted(views.iterdir()):
         meta = json.loads((scenes / folder.name / "meta.json").read_text())
         left, right = (cv2.imread(str(folder / f"{side}.png"), cv2.IMREAD_GRAYSCALE) for side in ("left", "right"))
-        steps = build(meta["num_disparities"]).compute(left, right)
-        write_pfm(maps / f"{folder.name}.pfm", np.where(steps < 0, np.inf, steps / 16.0))
+        disparity = method(meta["num_disparities"], left, right)
+        write_pfm(maps / f"{folder.name}.pfm", np.where(disparity < 0, np.inf, disparity))
 
 
 class Scorer:
@@ -99,9 +119,9 @@ def try_condition(scorer, options, work):
                 + (["--write-views", smooth] if method == "block" else [])
             ),
         }  # fmt: skip
-    for method, build in OPENCV.items():
-        match(build, scorer.scenes, raw, work / f"{method}-raw")
-        match(build, scorer.scenes, smooth, work / f"{method}-smooth")
+    for method, run in RIVALS.items():
+        match(run, scorer.scenes, raw, work / f"{method}-raw")
+        match(run, scorer.scenes, smooth, work / f"{method}-smooth")
         found[method] = {
             "raw": scorer.mean(["--maps", work / f"{method}-raw", *options]),
             "gifts": scorer.mean(["--maps", work / f"{method}-smooth", "--fill", *options]),
@@ -114,14 +134,14 @@ def tables(found, scenes):
     lines = [
         f"Means over {scenes} scenes in percent, less is better: raw / with the gifts (our smoothing before, our filling",
         f"after; `full` and `lite` smooth already). OpenCV {cv2.__version__}; `SGBM_3WAY` and `SGBM_HH` without",
-        "uniqueness test. Made by `tests/rivals.py`.",
+        "uniqueness test" + (", ELAS with its default parameters" if Elas else "") + ". Made by `tests/rivals.py`.",
     ]
     conditions = list(found)
     cell = {"density": "{:.1f}"}
     for figure, words in {**FIGURES, "density": "answered"}.items():
         lines += ["", f"**{figure}** ({words}):", "", "| | " + " | ".join(conditions) + " |"]
         lines.append("|---" * (len(conditions) + 1) + "|")
-        for method in [*OURS, *OPENCV]:
+        for method in [*OURS, *RIVALS]:
             write = cell.get(figure, "{:.2f}").format
             values = [found[condition][method] for condition in conditions]
             cells = [f"{write(v['raw'][figure])} / {write(v['gifts'][figure])}" for v in values]
