@@ -18,7 +18,7 @@ use crate::stereo::disparity_map::{DisparityMap, Spread};
 use crate::stereo::method::MethodKind;
 use crate::stereo::obstacles::{FrameObstacles, ObstacleFinder, ObstacleSummary};
 use crate::stereo::pipeline::{self, Run};
-use crate::{Frame, Geometry, StereoPair, input::rig_file};
+use crate::{Geometry, StereoPair, input::rig_file};
 
 /// Arguments of `haarline depth`.
 #[derive(Debug, clap::Args)]

@@ -245,7 +245,10 @@ impl Args {
             colours_px: writer.range().filter(|_| has_colours).map(|range| [range.min_px, range.max_px]),
             colours_from: match self.range.range {
                 Some(_) => "--range".to_owned(),
-                None => format!("the first {}", count(writer.files().first_second.min(totals.frames))),
+                None => match writer.files().first_second.min(totals.frames - totals.damaged) {
+                    1 => "the first frame".to_owned(),
+                    frames => format!("the first {frames} frames"),
+                },
             },
             obstacles: writer.obstacles(),
             files: endings.chain(tables.map(str::to_owned)).collect::<Vec<_>>().join(", "),

@@ -67,11 +67,6 @@ pub(super) struct RigArg {
 }
 
 impl RigArg {
-    /// Whether there is one.
-    pub(super) fn is_given(&self) -> bool {
-        self.rig.is_some()
-    }
-
     /// The description, if there is one, with the search range, focal length in px and baseline in mm of the
     /// options where these tell some.
     pub(super) fn read(&self, search: &SearchRange, geometry: [Option<f64>; 2]) -> Result<Option<Description>> {

@@ -92,9 +92,9 @@ impl FrameWriter {
     pub fn with_obstacles(mut self, finder: &ObstacleFinder, mavlink: Option<&Path>) -> Result<Self> {
         let mut table = GrowingTable::create(&self.files.folder.join("obstacles.csv"))?;
         table.add_record(&finder.heads())?;
-        let mavlink = mavlink.map(|path| Ok((GrowingFile::create(path)?, finder.feed()))).transpose();
+        let mavlink = mavlink.map(GrowingFile::create).transpose()?.map(|file| (file, finder.feed()));
         let (finder, totals) = (Box::new(finder.clone()), ObstacleTotals::default());
-        self.obstacles = Some(ObstacleWriter { finder, table, mavlink: mavlink?, totals });
+        self.obstacles = Some(ObstacleWriter { finder, table, mavlink, totals });
         Ok(self)
     }
 
