@@ -38,9 +38,11 @@ struct Summary {
     packets: u64,
     damaged: u64,
     lost: u64,
+    repeated: u64,
     restarts: u64,
     frames: usize,
     whole: usize,
+    empty: u64,
 }
 
 impl Args {
@@ -55,7 +57,7 @@ impl Args {
         loop {
             match packets.read(&mut piece) {
                 Ok(0) => break,
-                Ok(count) => stream.push(&piece[..count]).into_iter().try_for_each(|frame| maps.add(frame))?,
+                Ok(count) => stream.push(&piece[..count]).try_for_each(|frame| maps.add(frame))?,
                 Err(error) if error.kind() == ErrorKind::Interrupted => {}
                 Err(error) => return Err(unreadable(error)),
             }
@@ -66,9 +68,11 @@ impl Args {
             packets: tally.packets,
             damaged: tally.damaged,
             lost: tally.lost,
+            repeated: tally.repeated,
             restarts: tally.restarts,
             frames,
             whole,
+            empty: tally.empty,
         };
         print(&if self.json { serde_json::to_string(&summary)? + "\n" } else { summary.text() })?;
         ensure!(frames > 0, Finding("no frame came: are these the bytes of the row packets' port?".to_owned()));
@@ -127,10 +131,10 @@ impl Names {
 
 impl Summary {
     fn text(&self) -> String {
-        let Self { packets, damaged, lost, restarts, frames, whole } = self;
+        let Self { packets, damaged, lost, repeated, restarts, frames, whole, empty } = self;
         format!(
-            "{frames} frames, {whole} of them whole; {packets} packets, {damaged} damaged, {lost} lost; \
-             the sender began anew {restarts} times\n"
+            "{frames} frames, {whole} of them whole, {empty} more without a single row; {packets} packets, \
+             {damaged} damaged, {lost} lost, {repeated} repeated; the sender began anew {restarts} times\n"
         )
     }
 }

@@ -1,5 +1,6 @@
 //! What comes in: images, recordings of them, dumps of a camera port, row packets, rig descriptions.
 
+pub mod caveat;
 pub mod frame;
 pub mod image_file;
 pub mod noise;

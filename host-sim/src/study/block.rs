@@ -133,12 +133,12 @@ pub fn run(setup: &Setup<'_>) -> Result<Outcome> {
 
 fn try_out(setup: &Setup<'_>, entry: Entry, frames: &'static str, degradation: Degradation) -> Result<Trial> {
     let build = |config| entry.build(config);
-    let evaluator = Evaluator { build: &build, degradation, baselines: None, maps: None };
+    let evaluator = Evaluator { build: &build, degradation, baselines: None, apart: &[], maps: None };
     let pixels = setup.scenes.iter().map(|scene| scene.pair.left.luma.len()).sum();
     let (scores, operations) = Operations::count(pixels, || evaluator.run(setup.scenes, || setup.progress.inc(1)))?;
     let scores = scores?;
-    let mean = Mean::of(scores.iter()).context("no scene")?.score;
-    let tot2 = scores.iter().map(|scene| scene.score.tot2).collect();
+    let mean = Mean::of(scores.iter()).context("no scene")?.score.all;
+    let tot2 = scores.iter().map(|scene| scene.score.all.tot2).collect();
     Ok(Trial { method: entry.name, frames, mean, tot2, operations })
 }
 
