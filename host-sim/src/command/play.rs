@@ -190,7 +190,11 @@ impl Args {
             return find_raw_frames(&self.recording, RawFormat { size, wiring });
         }
         ensure!(self.wiring.get()?.is_none(), "--wiring: is for raw dumps, add --raw WIDTHxHEIGHT");
-        find_frames(&self.recording, layout(self.layout, self.wiring.first, "--first")?)
+        ensure!(
+            self.layout != LayoutKind::Folders || self.wiring.first.is_none(),
+            "--first: is for frames with both views, add --layout side-by-side"
+        );
+        find_frames(&self.recording, layout(self.layout, self.wiring.first_with(rig))?)
     }
 
     /// Refuses to write among the frames: pictures would be frames of the next run, and a list of the

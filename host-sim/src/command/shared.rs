@@ -226,16 +226,13 @@ pub(super) enum LayoutKind {
     SideBySide,
 }
 
-/// The layout, of whose first camera the option `option` tells.
-pub(super) fn layout(kind: LayoutKind, first: Option<Side>, option: &str) -> Result<Layout> {
+/// The layout; `first` is the camera of the left half, if something tells it.
+pub(super) fn layout(kind: LayoutKind, first: Option<Side>) -> Result<Layout> {
     match (kind, first) {
-        (LayoutKind::Folders, None) => Ok(Layout::Folders),
+        (LayoutKind::Folders, _) => Ok(Layout::Folders),
         (LayoutKind::SideBySide, Some(first)) => Ok(Layout::SideBySide { first }),
-        (LayoutKind::Folders, Some(first)) => {
-            bail!("{option} {first}: is for frames with both views, add --layout side-by-side")
-        }
         (LayoutKind::SideBySide, None) => {
-            bail!("--layout side-by-side needs {option} left or {option} right, the camera of the left half")
+            bail!("--layout side-by-side needs --first left or --first right, the camera of the left half")
         }
     }
 }
@@ -247,7 +244,7 @@ pub(super) struct WiringArgs {
     #[arg(long, value_name = "KIND", value_parser = by_name(Kind::ALL, Kind::name))]
     wiring: Option<Kind>,
     /// Which camera is first: in time, in the left half (in a recording's frames, too), on the low data
-    /// lines [default of a raw dump: left]
+    /// lines [default: the rig's; of a raw dump without a rig: left]
     #[arg(long, value_enum, value_name = "CAMERA")]
     pub(super) first: Option<Side>,
     /// Whose pixels come one late; with --wiring pixel only [default: none]
@@ -275,17 +272,22 @@ impl WiringArgs {
         Ok(Some(Wiring { kind, first, skew }))
     }
 
+    /// The first camera, the rig's where nothing was told.
+    pub(super) fn first_with(&self, rig: Option<&Description>) -> Option<Side> {
+        self.first.or_else(|| {
+            rig.map(|rig| match rig.wiring.first {
+                First::Left => Side::Left,
+                First::Right => Side::Right,
+            })
+        })
+    }
+
     /// The wiring with the rig's values where nothing was told. One or the other must tell the kind. The rig's
     /// skew goes with its kind: another one has none.
     pub(super) fn get_with(&self, rig: Option<&Description>) -> Result<Wiring> {
-        let Some(Wiring { kind, first, skew }) = rig.map(|rig| rig.wiring) else { return self.get_required() };
-        let first = match first {
-            First::Left => Side::Left,
-            First::Right => Side::Right,
-        };
+        let Some(Wiring { kind, skew, .. }) = rig.map(|rig| rig.wiring) else { return self.get_required() };
         let skew = self.wiring.is_none_or(|asked| asked == kind).then_some(skew);
-        let merged =
-            Self { wiring: self.wiring.or(Some(kind)), first: self.first.or(Some(first)), skew: self.skew.or(skew) };
+        let merged = Self { wiring: self.wiring.or(Some(kind)), first: self.first_with(rig), skew: self.skew.or(skew) };
         merged.get_required()
     }
 
@@ -382,6 +384,12 @@ fn list(names: impl ExactSizeIterator<Item = String>) -> String {
     if more > 0 { format!("{shown} and {more} more") } else { shown }
 }
 
+/// A word as a shell takes it.
+pub(super) fn quoted(word: &str) -> String {
+    let is_plain = |c: char| c.is_alphanumeric() || "/._-,+=:@%".contains(c);
+    if word.chars().all(is_plain) { word.to_owned() } else { format!("'{}'", word.replace('\'', "'\\''")) }
+}
+
 /// A bar with rate and time left; shown only where the standard error is a terminal.
 pub(super) fn progress(length: usize, what: &str) -> Result<ProgressBar> {
     let style =
@@ -393,4 +401,16 @@ pub(super) fn progress(length: usize, what: &str) -> Result<ProgressBar> {
 fn write_rate(state: &ProgressState, text: &mut dyn fmt::Write) {
     // A bar without its rate is still a bar.
     let _ = write!(text, "{:.1}/s", state.per_sec());
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_command_line_can_be_given_to_a_shell() {
+        assert_eq!(quoted("data/qvga"), "data/qvga");
+        assert_eq!(quoted("my data"), "'my data'");
+        assert_eq!(quoted("it's"), "'it'\\''s'");
+    }
 }
