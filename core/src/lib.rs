@@ -85,3 +85,7 @@ pub use stage::{Stage, StageClock, Untimed};
 pub use stereo::StereoMethod;
 pub use wavelet_block::WaveletBlock;
 pub use wiring::Wiring;
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

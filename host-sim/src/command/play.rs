@@ -41,7 +41,7 @@ pub(super) struct Args {
     #[arg(long, value_enum, value_name = "KIND,...", value_delimiter = ',', default_value = "disparity,picture")]
     write: Vec<MapKind>,
     /// How the views are stored
-    #[arg(long, value_enum, default_value_t = LayoutKind::Folders, conflicts_with = "raw")]
+    #[arg(long, value_enum, default_value_t = LayoutKind::Auto, conflicts_with = "raw")]
     layout: LayoutKind,
     /// The recording is a raw dump, frame after frame without any header; the size is that of one view,
     /// px, whatever the wiring (a frame has twice as many bytes as a view has pixels)
@@ -191,8 +191,8 @@ impl Args {
         }
         ensure!(self.wiring.get()?.is_none(), "--wiring: is for raw dumps, add --raw WIDTHxHEIGHT");
         ensure!(
-            self.layout != LayoutKind::Folders || self.wiring.first.is_none(),
-            "--first: is for frames with both views, add --layout side-by-side"
+            self.layout.has_both() || self.wiring.first.is_none(),
+            "--first: is for frames with both views, add --layout side-by-side or top-bottom"
         );
         find_frames(&self.recording, layout(self.layout, self.wiring.first_with(rig))?)
     }

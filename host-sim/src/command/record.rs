@@ -24,7 +24,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "DIR")]
     recording: Option<PathBuf>,
     /// How the recording's views are stored
-    #[arg(long, value_enum, default_value_t = LayoutKind::Folders, requires = "recording")]
+    #[arg(long, value_enum, default_value_t = LayoutKind::Auto, requires = "recording")]
     layout: LayoutKind,
     /// Only these frames of the recording, counted from 0: A..B without B, A.. or ..B
     #[arg(long, value_name = "A..B", allow_hyphen_values = true, requires = "recording")]

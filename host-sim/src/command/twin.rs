@@ -44,7 +44,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "DIR")]
     recording: Option<PathBuf>,
     /// How the recording's views are stored
-    #[arg(long, value_enum, default_value_t = LayoutKind::Folders, requires = "recording")]
+    #[arg(long, value_enum, default_value_t = LayoutKind::Auto, requires = "recording")]
     layout: LayoutKind,
     /// The recording is a raw dump, frame after frame without any header, which is played as it is; the
     /// size is that of one view, px
