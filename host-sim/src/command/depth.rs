@@ -8,12 +8,14 @@ use haarline::{Config, Disparity, Offset};
 use haarline_rig::Description;
 use serde::Serialize;
 
+use super::degradation::DegradationOptions;
 use super::print;
 use super::shared::{DepthOptions, MethodOptions, MinConfidence, RangeArg, RigArg, SearchRange};
 use crate::output;
 use crate::output::colour_range::ColourRange;
 use crate::output::map_file::{MapKind, MapView};
 use crate::output::obstacle_strip::ObstacleStrip;
+use crate::score::degrade::replace_right;
 use crate::stereo::disparity_map::{DisparityMap, Spread};
 use crate::stereo::method::MethodKind;
 use crate::stereo::obstacles::{FrameObstacles, ObstacleFinder, ObstacleSummary};
@@ -62,6 +64,8 @@ pub(super) struct Args {
     /// Fills unknown pixels with the farther of the next known ones beside them: a guess, confidence 1
     #[arg(long)]
     fill: bool,
+    #[command(flatten)]
+    degradation: DegradationOptions,
     /// Prints the summary as JSON
     #[arg(long)]
     json: bool,
@@ -104,7 +108,7 @@ impl Args {
         let (method, min_confidence) = (self.method.get()?, self.min_confidence.get()?);
         let files = self.files()?;
         self.check_outputs(&files, geometry.is_some())?;
-        let pair = StereoPair::read(&self.left, &self.right)?;
+        let pair = self.read_pair()?;
         let config = match &rig {
             Some(rig) => {
                 rig_file::check_size(rig, [pair.width(), pair.height()])?;
@@ -152,6 +156,19 @@ impl Args {
             }
         }
         Ok(files)
+    }
+
+    /// The views as the method gets them. What is drawn is what eval draws of a scene: by the name of the folder.
+    fn read_pair(&self) -> Result<StereoPair> {
+        let degradation = self.degradation.get()?;
+        let other = self.degradation.right_from(None)?;
+        let mut pair = StereoPair::read(&self.left, &self.right)?;
+        if let Some(other) = &other {
+            replace_right(&mut pair, other);
+        }
+        let folder = self.left.canonicalize().ok().and_then(|path| Some(path.parent()?.file_name()?.to_owned()));
+        degradation.apply(&folder.unwrap_or_default().to_string_lossy(), &mut pair);
+        Ok(pair)
     }
 
     /// Checks every name that is to be written before anything is computed.
