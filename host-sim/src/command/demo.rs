@@ -1,16 +1,17 @@
 //! `haarline demo`: the core on a rendered scene with known truth.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use anyhow::{Context, Result, ensure};
 use clap::ValueEnum;
 use serde::Serialize;
 
+use super::shared::quoted;
 use super::{natural_number, number, print};
-use crate::output::picture::{self, ColourRange};
-use crate::output::{self, encode_grey_png};
+use crate::output::colour_range::ColourRange;
+use crate::output::{self, encode_grey_png, picture};
 use crate::score::Score;
-use crate::score::scene::Meta;
+use crate::score::scene::{Meta, RIG_FILE};
 use crate::stereo::method::MethodKind;
 use crate::stereo::pipeline::{self, Run};
 use crate::synthetic::folder::{self, NamedFile};
@@ -92,13 +93,38 @@ impl Args {
         let rendering = scene.render();
         let Run { map, elapsed } = pipeline::run(&mut *self.method.build(scene.config())?, &rendering.pair)?;
         let files = scene_files(&scene, &rendering, focal_px)?;
-        let files = files.into_iter().chain(map_files(&scene, &rendering, &map, focal_px)?);
-        let files: Vec<NamedFile> = files.collect();
+        let files = files.into_iter().chain(map_files(&rendering, &map, focal_px)?);
+        let rig = (RIG_FILE, "the rig that it is as if seen by", haarline_rig::template().into_bytes());
+        let files: Vec<NamedFile> = files.chain((self.scene == SceneKind::Rover).then_some(rig)).collect();
         for (name, _, bytes) in &files {
             output::write(&self.output.join(name), bytes)?;
         }
         let figures = self.figures(&scene, &rendering, &map, elapsed.as_secs_f64() * 1000.0, &files)?;
-        print(&if self.json { serde_json::to_string(&figures)? + "\n" } else { figures.text(&files, noise) })
+        print(&if self.json {
+            serde_json::to_string(&figures)? + "\n"
+        } else {
+            figures.text(&files, noise) + &self.next_steps(&figures)
+        })
+    }
+
+    /// What to try on the files, one command a line with what it does above.
+    fn next_steps(&self, figures: &Figures) -> String {
+        let file = |name: &str| quoted(&self.output.join(name).display().to_string());
+        let (left, right, folder) = (file("left.png"), file("right.png"), quoted(&self.output.display().to_string()));
+        let (scene, search) = match self.scene {
+            SceneKind::Room => (String::new(), format!("--num-disparities {}", figures.num_disparities)),
+            SceneKind::Rover => (" --scene rover".to_owned(), format!("--rig {}", file(RIG_FILE))),
+        };
+        let seed = if self.seed == 0 { String::new() } else { format!(" --seed {}", self.seed) };
+        format!(
+            "\nLook at {} beside {}.\n\n\
+             The same scene from its files, as any folder of scenes with known truth:\n  haarline eval {folder}\n\
+             The same scene in worse light:\n  haarline demo{scene}{seed} --noise 10 -o {}\n\
+             Any rectified pair, here this one:\n  haarline depth {left} {right} {search} --picture depth.png\n",
+            file("disparity_picture.png"),
+            file("truth_picture.png"),
+            quoted(&format!("{}-noisy", self.output.display())),
+        )
     }
 
     fn figures(
@@ -139,18 +165,18 @@ fn scene_files(scene: &Scene, rendering: &Rendering, focal_px: f64) -> Result<[N
 }
 
 /// The core's answer, and the truth in the same colours.
-fn map_files(scene: &Scene, rendering: &Rendering, map: &DisparityMap, focal_px: f64) -> Result<[NamedFile; 6]> {
+fn map_files(rendering: &Rendering, map: &DisparityMap, focal_px: f64) -> Result<[NamedFile; 6]> {
     let geometry = Geometry::new(focal_px, BASELINE_MM)?;
     let true_map = rendering.truth.to_map();
     let range = ColourRange::of(&true_map);
-    let picture = |map: &DisparityMap| picture::encode(map, &range, Some(&geometry));
+    let picture = |map: &DisparityMap| picture::encode(map, &range, Some(&geometry), None);
     Ok([
         ("truth_picture.png", "true disparity in colours", picture(&true_map)?),
         ("disparity_picture.png", "the disparity found, in the same colours", picture(map)?),
-        ("disparity_grey.png", "the same in grey", picture::encode_grey(map, &scene.config())?),
+        ("disparity_grey.png", "the same in grey", picture::encode_grey(map, &range)?),
         ("confidence.png", "its confidence", encode_grey_png(&map.confidence, [map.width, map.height])?),
         ("disparity.pfm", "its disparity in px", output::pfm::encode(map)),
-        ("cloud.ply", "its points in m", output::ply::encode(map, &rendering.pair.left, &geometry)),
+        ("cloud.ply", "its points in m", output::ply::encode(map, &rendering.pair.left, &geometry, None)),
     ])
 }
 
@@ -161,35 +187,23 @@ impl Figures {
         let mut text = format!(
             "{method} on a rendered scene, {width}x{height} px, {num_disparities} disparities, noise {noise}: \
              {milliseconds:.1} ms\n\
-             answered {:.2} % of the pixels that both cameras see, the blank wall apart; of the answers {} % are off by more than 2 px and {} % by more \
-             than 1 px, mean error {} px\n\
-             blank wall, {} pixels without texture: {:.2} % answered, {:.2} % wrong by more than 2 px\n\n",
+             answered {:.2} % of the pixels with texture that both cameras see; of the answers {} % are off by more \
+             than 2 px and {} % by more than 1 px, mean error {} px\n",
             score.density,
             figure(score.bad2),
             figure(score.bad1),
             figure(score.epe),
-            self.wall_pixels,
-            self.wall_answered_percent,
-            self.wall_wrong_percent,
         );
+        if self.wall_pixels > 0 {
+            text += &format!(
+                "blank wall, {} pixels without texture: {:.2} % answered, {:.2} % wrong by more than 2 px\n",
+                self.wall_pixels, self.wall_answered_percent, self.wall_wrong_percent,
+            );
+        }
+        text.push('\n');
         for (name, what, _) in files {
             text += &format!("  {:<40} {what}\n", self.folder.join(name).display().to_string());
         }
-        text + &next_steps(&self.folder, *num_disparities)
+        text
     }
-}
-
-/// What to try on the files, one command a line with what it does above.
-fn next_steps(folder: &Path, num_disparities: u16) -> String {
-    let file = |name: &str| folder.join(name).display().to_string();
-    let (left, right, folder) = (file("left.png"), file("right.png"), folder.display());
-    format!(
-        "\nLook at {} beside {}.\n\n\
-         The same scene from its files, as any folder of scenes with known truth:\n  haarline eval {folder}\n\
-         Worse light:\n  haarline demo --noise 10\n\
-         Any rectified pair, here this one:\n  \
-         haarline depth {left} {right} --num-disparities {num_disparities} --picture depth.png\n",
-        file("disparity_picture.png"),
-        file("truth_picture.png"),
-    )
 }

@@ -12,10 +12,10 @@ use haarline::{Stage, Wiring};
 use haarline_rig::Description;
 use serde::Serialize;
 
-use super::shared::{RigArg, SearchRange, WiringArgs};
+use super::shared::{LayoutKind, RigArg, SearchRange, WiringArgs, layout};
 use super::{Finding, natural_number, number, print};
 use crate::input::raw_dump::{RawFormat, ViewSize};
-use crate::input::recording::{Layout, Side, find_frames};
+use crate::input::recording::{Side, find_frames};
 use crate::output;
 use crate::score::degrade::Degradation;
 use crate::stereo::method::MethodKind;
@@ -43,15 +43,15 @@ pub(super) struct Args {
     /// Right view
     right: Option<PathBuf>,
     /// Instead of a pair: folder with the folders left and right, or with images of both views
-    /// (--side-by-side), or file with the bytes that a camera port stored (--raw)
+    /// (--layout side-by-side), or file with the bytes that a camera port stored (--raw)
     #[arg(long, value_name = "DIR")]
     recording: Option<PathBuf>,
-    /// The recording's images hold both views, that of this camera in the left half
-    #[arg(long, value_enum, value_name = "CAMERA", requires = "recording")]
-    side_by_side: Option<Side>,
+    /// How the recording's views are stored
+    #[arg(long, value_enum, default_value_t = LayoutKind::Auto, requires = "recording")]
+    layout: LayoutKind,
     /// The recording is a raw dump, frame after frame without any header, which is played as it is; the
     /// size is that of one view, px
-    #[arg(long, value_name = "WIDTHxHEIGHT", requires = "recording", conflicts_with = "side_by_side")]
+    #[arg(long, value_name = "WIDTHxHEIGHT", requires = "recording", conflicts_with = "layout")]
     raw: Option<ViewSize>,
     /// Instead of a pair: two views of random bytes, 320 x 240 px, that have nothing in common; what comes of this seed
     /// stays the same
@@ -89,7 +89,8 @@ pub(super) struct Args {
     /// Disparity map in px (PFM); of several frames FILE_0000.pfm and so on
     #[arg(short, long = "output", value_name = "FILE.pfm")]
     output: Option<PathBuf>,
-    /// The program, if it shall not be built [default: built by cargo in the workspace around this folder]
+    /// The program, as `cargo twin` builds it in target/thumbv7em-none-eabihf/firmware/twin [default: that of the
+    /// environment variable HAARLINE_TWIN, or built by cargo if this folder is in Haarline's sources]
     #[arg(long, value_name = "FILE")]
     elf: Option<PathBuf>,
     /// Seconds until the run is given up
@@ -179,7 +180,7 @@ impl Args {
             output::check_writable("--obstacles", path)?;
         }
 
-        let elf = self.elf.clone().map_or_else(elf::build, Ok)?;
+        let elf = self.elf.clone().map_or_else(elf::find, Ok)?;
         let program = fs::read(&elf).with_context(|| format!("{}: cannot be read", elf.display()))?;
         let memory = elf::memory(&program, method.name()).with_context(|| elf.display().to_string())?;
         let folder = tempfile::tempdir().context("a folder for the run")?;
@@ -230,7 +231,7 @@ impl Args {
             Some(_) => self.wiring.get_with(rig)?,
             None => self.wiring.get()?.unwrap_or(Wiring::new(Kind::SideBySide, first)),
         };
-        let mut pairs = self.read_pairs()?;
+        let mut pairs = self.read_pairs(rig)?;
         let noise = self.noise;
         ensure!((0.0..=255.0).contains(&noise), "--noise {noise}: must be 0 to 255");
         let degradation = Degradation { noise, seed: self.seed, ..Degradation::default() };
@@ -241,10 +242,14 @@ impl Args {
     }
 
     /// All frames, with the names that tell their noise apart: that of the scene's folder or of the frame.
+<<<<<<< main
     fn read_pairs(&self) -> Result<Vec<(String, StereoPair)>> {
         if let Some(seed) = self.random {
             return Ok(vec![(String::from("random"), random_views(seed))]);
         }
+=======
+    fn read_pairs(&self, rig: Option<&Description>) -> Result<Vec<(String, StereoPair)>> {
+>>>>>>> output
         if let (Some(left), Some(right)) = (&self.left, &self.right) {
             let pair = StereoPair::read(left, right)?;
             let path = left.canonicalize().with_context(|| left.display().to_string())?;
@@ -252,8 +257,10 @@ impl Args {
             return Ok(vec![(scene.to_string_lossy().into_owned(), pair)]);
         }
         let Some(folder) = &self.recording else { bail!("two views are needed, or --recording") };
-        let layout = self.side_by_side.map_or(Layout::Separate, |first| Layout::SideBySide { first });
-        find_frames(folder, layout)?.into_iter().map(|frame| Ok((frame.name.clone(), frame.read()?))).collect()
+        find_frames(folder, layout(self.layout, self.wiring.first_with(rig))?)?
+            .into_iter()
+            .map(|frame| Ok((frame.name.clone(), frame.read()?)))
+            .collect()
     }
 
     fn write(&self, maps: &BTreeMap<u32, DisparityMap>) -> Result<()> {

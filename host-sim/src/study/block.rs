@@ -119,14 +119,13 @@ pub fn run(setup: &Setup<'_>) -> Result<Outcome> {
         }
     }
     let comparisons = contour_points::compare(setup)?;
-    let parts = vec![
-        Part::Text(introduction(setup)),
-        Part::Text(verdict::text(&trials)),
-        Part::Table(table(&trials)),
-        Part::Plot(plot::tot2_against_operations(&trials)?),
-        Part::Text(contour_points::text(&comparisons)),
-        Part::Table(contour_points::table(&comparisons)),
-    ];
+    let mut parts =
+        vec![Part::Text(introduction(setup)), Part::Text(verdict::text(&trials)), Part::Table(table(&trials))];
+    // Without counts there is nothing to plot against.
+    if trials.iter().any(|trial| trial.operations.is_some()) {
+        parts.push(Part::Plot(plot::tot2_against_operations(&trials)?));
+    }
+    parts.extend([Part::Text(contour_points::text(&comparisons)), Part::Table(contour_points::table(&comparisons))]);
     Ok(Outcome { name: "block", title: "Block matching and its wavelet-modified form (Table 1)".to_owned(), parts })
 }
 
