@@ -11,11 +11,13 @@ use super::{natural_number, number, print};
 use crate::output::colour_range::ColourRange;
 use crate::output::{self, encode_grey_png, picture};
 use crate::score::Score;
+use crate::score::report::table;
 use crate::score::scene::{Meta, RIG_FILE};
 use crate::stereo::method::MethodKind;
 use crate::stereo::pipeline::{self, Run};
 use crate::synthetic::folder::{self, NamedFile};
-use crate::synthetic::{BlankScore, Rendering, Scene};
+use crate::synthetic::regions::RegionScore;
+use crate::synthetic::{BlankScore, Rendering, Scene, YARD};
 use crate::{DisparityMap, Geometry};
 
 /// Distance of the cameras that the scenes are as if seen by.
@@ -26,6 +28,8 @@ const BASELINE_MM: f64 = 60.0;
 enum SceneKind {
     /// A room with a blank wall
     Room,
+    /// What confuses: a fence, a blank wall, a dark corner, strips that the right view does not see; told apart
+    Yard,
     /// What a rover sees: flat ground and a post at 1.5 m, with the rig of haarline rig new
     Rover,
 }
@@ -34,7 +38,7 @@ impl SceneKind {
     /// Focal length of the cameras that it is as if seen by.
     const fn focal_px(self) -> f64 {
         match self {
-            Self::Room => 280.0,
+            Self::Room | Self::Yard => 280.0,
             Self::Rover => 200.0,
         }
     }
@@ -76,6 +80,8 @@ struct Figures {
     wall_pixels: u64,
     wall_answered_percent: f64,
     wall_wrong_percent: f64,
+    /// The parts of the yard.
+    regions: Vec<RegionScore>,
     folder: PathBuf,
     files: Vec<&'static str>,
 }
@@ -87,6 +93,7 @@ impl Args {
         output::prepare_folder("-o", &self.output)?;
         let scene = match self.scene {
             SceneKind::Room => Scene::room(self.seed),
+            SceneKind::Yard => Scene::yard(self.seed),
             SceneKind::Rover => Scene::rover(self.seed),
         };
         let (scene, focal_px) = (Scene { noise, ..scene }, self.scene.focal_px());
@@ -113,6 +120,7 @@ impl Args {
         let (left, right, folder) = (file("left.png"), file("right.png"), quoted(&self.output.display().to_string()));
         let (scene, search) = match self.scene {
             SceneKind::Room => (String::new(), format!("--num-disparities {}", figures.num_disparities)),
+            SceneKind::Yard => (" --scene yard".to_owned(), format!("--num-disparities {}", figures.num_disparities)),
             SceneKind::Rover => (" --scene rover".to_owned(), format!("--rig {}", file(RIG_FILE))),
         };
         let seed = if self.seed == 0 { String::new() } else { format!(" --seed {}", self.seed) };
@@ -147,6 +155,10 @@ impl Args {
             wall_pixels: pixels,
             wall_answered_percent: percent(answered),
             wall_wrong_percent: percent(wrong),
+            regions: match self.scene {
+                SceneKind::Yard => RegionScore::all(&YARD, rendering, map),
+                SceneKind::Room | SceneKind::Rover => Vec::new(),
+            },
             folder: self.output.clone(),
             files: files.iter().map(|(name, ..)| *name).collect(),
         })
@@ -194,7 +206,9 @@ impl Figures {
             figure(score.bad1),
             figure(score.epe),
         );
-        if self.wall_pixels > 0 {
+        if !self.regions.is_empty() {
+            text += &region_table(&self.regions);
+        } else if self.wall_pixels > 0 {
             text += &format!(
                 "blank wall, {} pixels without texture: {:.2} % answered, {:.2} % wrong by more than 2 px\n",
                 self.wall_pixels, self.wall_answered_percent, self.wall_wrong_percent,
@@ -206,4 +220,17 @@ impl Figures {
         }
         text
     }
+}
+
+/// What became of each part of the scene.
+fn region_table(regions: &[RegionScore]) -> String {
+    let heads = ["part", "pixels", "answered %", "wrong %", "sure %", "sure and wrong %"];
+    let mut table = table(heads.to_vec(), 1);
+    for region in regions {
+        let shares = [region.answered_percent, region.wrong_percent, region.sure_percent, region.sure_wrong_percent];
+        let shares = shares.map(|share| format!("{share:.2}"));
+        table
+            .add_row([region.name.to_owned(), region.pixels.to_string()].into_iter().chain(shares).collect::<Vec<_>>());
+    }
+    table.trim_fmt() + "\n"
 }

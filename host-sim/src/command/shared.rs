@@ -331,6 +331,12 @@ fn by_name<T: Copy + Send + Sync + 'static>(
     })
 }
 
+/// One line about input that is not as it should be.
+pub(super) fn warn_input(what: &str) {
+    // Nowhere is left to tell if this fails, too.
+    let _ = writeln!(io::stderr(), "warning: {what}");
+}
+
 /// One line about a damaged frame.
 pub(super) fn warn_skipped(frame: usize, why: &str) {
     // Nowhere is left to tell if this fails, too.
