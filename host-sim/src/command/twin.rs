@@ -26,16 +26,19 @@ use crate::twin::footage::Footage;
 use crate::twin::machine::Machine;
 use crate::twin::rows::decode;
 use crate::twin::{Report, Request, obstacles};
-use crate::{DisparityMap, StereoPair, input::rig_file, output::pfm, stereo::pipeline};
+use crate::{DisparityMap, Frame, StereoPair, input::rig_file, output::pfm, stereo::pipeline};
 
 /// Bytes of results that are kept whole; of a longer run only the recording's first and last round are.
 const MOST_KEPT: u64 = 256 << 20;
+
+/// Width and height of random views, px.
+const RANDOM_SIZE: [usize; 2] = [320, 240];
 
 /// Arguments of `haarline twin`.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
     /// Left view
-    #[arg(required_unless_present = "recording", requires = "right", conflicts_with = "recording")]
+    #[arg(required_unless_present_any = ["recording", "random"], requires = "right", conflicts_with_all = ["recording", "random"])]
     left: Option<PathBuf>,
     /// Right view
     right: Option<PathBuf>,
@@ -50,6 +53,10 @@ pub(super) struct Args {
     /// size is that of one view, px
     #[arg(long, value_name = "WIDTHxHEIGHT", requires = "recording", conflicts_with = "layout")]
     raw: Option<ViewSize>,
+    /// Instead of a pair: two views of random bytes, 320 x 240 px, that have nothing in common; what comes of this seed
+    /// stays the same
+    #[arg(long, value_name = "SEED", conflicts_with_all = ["recording", "noise", "seed", "rig"], allow_hyphen_values = true, value_parser = natural_number)]
+    random: Option<u64>,
     /// Adds Gaussian noise to both views as eval does, if the views lie in the scene's folder: standard
     /// deviation, grey levels
     #[arg(long, value_name = "SIGMA", default_value_t = 0.0, allow_hyphen_values = true, value_parser = number, conflicts_with = "raw")]
@@ -113,6 +120,8 @@ struct Summary {
     num_disparities: u16,
     noise: f64,
     seed: u64,
+    /// Seed of random views, where they are.
+    random: Option<u64>,
     wiring: &'static str,
     first: &'static str,
     skew: &'static str,
@@ -120,11 +129,13 @@ struct Summary {
     fault: Option<String>,
     /// `total` and one entry a stage.
     instructions_per_pixel: BTreeMap<&'static str, f64>,
-    /// Instructions of a row.
+    /// Instructions of a row that comes in: the mean, the most, and how many times the mean the most is.
     mean_row: f64,
     worst_row: u64,
-    /// Instructions after a frame's last row, mean.
+    worst_row_ratio: f64,
+    /// Instructions after a frame's last row, mean; and of how many rows that is the work.
     frame_end: f64,
+    frame_end_rows: f64,
     /// Instructions of a change of stage, subtracted everywhere.
     clock_instructions: u64,
     estimates: Vec<Estimate>,
@@ -234,7 +245,14 @@ impl Args {
     }
 
     /// All frames, with the names that tell their noise apart: that of the scene's folder or of the frame.
+<<<<<<< 70dc39fff7f1e72465f2d49c6353b2bf6284cb7f
     fn read_pairs(&self, rig: Option<&Description>) -> Result<Vec<(String, StereoPair)>> {
+=======
+    fn read_pairs(&self) -> Result<Vec<(String, StereoPair)>> {
+        if let Some(seed) = self.random {
+            return Ok(vec![(String::from("random"), random_views(seed))]);
+        }
+>>>>>>> 66088e3
         if let (Some(left), Some(right)) = (&self.left, &self.right) {
             let pair = StereoPair::read(left, right)?;
             let path = left.canonicalize().with_context(|| left.display().to_string())?;
@@ -276,6 +294,8 @@ impl Args {
         let rows = report.get("worked_rows")? as f64;
         let pixels = (rows * width as f64).max(1.0);
         let total = report.get("total")? as f64 / pixels;
+        let mean_row = report.get("row_sum")? as f64 / rows.max(1.0);
+        let frame_end = report.get("frame_ends")? as f64 / f64::from(request.frames);
         let mut instructions_per_pixel = BTreeMap::from([("total", total)]);
         for (stage, count) in report.stages()? {
             instructions_per_pixel.insert(stage.name(), count as f64 / pixels);
@@ -291,15 +311,18 @@ impl Args {
             num_disparities: request.config.num_disparities,
             noise: self.noise,
             seed: self.seed,
+            random: self.random,
             wiring: request.wiring.kind.name(),
             first: request.wiring.first.name(),
             skew: request.wiring.skew.name(),
             frames: request.frames,
             fault: self.fault.clone(),
             instructions_per_pixel,
-            mean_row: report.get("row_sum")? as f64 / rows.max(1.0),
+            mean_row,
             worst_row: report.get("worst_row")?,
-            frame_end: report.get("frame_ends")? as f64 / f64::from(request.frames),
+            worst_row_ratio: report.get("worst_row")? as f64 / mean_row.max(1.0),
+            frame_end,
+            frame_end_rows: frame_end / mean_row.max(1.0),
             clock_instructions: report.get("clock")?,
             estimates: CHIPS.iter().map(|chip| chip.estimate(total, frame_pixels)).collect(),
             memory,
@@ -319,6 +342,15 @@ fn different(maps: &BTreeMap<u32, DisparityMap>, expected: &[DisparityMap], requ
     let Request { frames, keep, recorded, .. } = *request;
     let kept = (0..frames).filter(|&frame| frame < keep || frame >= frames.saturating_sub(keep));
     kept.filter(|frame| maps.get(frame) != Some(&expected[(frame % recorded) as usize])).collect()
+}
+
+/// Two views of random bytes.
+fn random_views(seed: u64) -> StereoPair {
+    let [width, height] = RANDOM_SIZE;
+    let blank = Frame::from_luma(width, height, vec![0; width * height]);
+    let mut pair = StereoPair { left: blank.clone(), right: blank };
+    Degradation { random: true, seed, ..Degradation::default() }.apply("random", &mut pair);
+    pair
 }
 
 /// The name for one of several maps.
@@ -345,8 +377,8 @@ impl Summary {
         }
         let _ = writeln!(
             text,
-            "row: mean {:.0}, worst {} instructions; frame end {:.0}",
-            self.mean_row, self.worst_row, self.frame_end
+            "row: mean {:.0}, worst {} instructions, {:.2} x the mean; frame end {:.0}, {:.1} rows",
+            self.mean_row, self.worst_row, self.worst_row_ratio, self.frame_end, self.frame_end_rows
         );
         let _ = writeln!(text, "estimated by a model of instruction classes (no cycle was measured):");
         for Estimate { chip, cycles_per_pixel, fps, core_mw, nj_per_pixel, current_source } in &self.estimates {
