@@ -245,14 +245,10 @@ impl Args {
     }
 
     /// All frames, with the names that tell their noise apart: that of the scene's folder or of the frame.
-<<<<<<< 70dc39fff7f1e72465f2d49c6353b2bf6284cb7f
     fn read_pairs(&self, rig: Option<&Description>) -> Result<Vec<(String, StereoPair)>> {
-=======
-    fn read_pairs(&self) -> Result<Vec<(String, StereoPair)>> {
         if let Some(seed) = self.random {
             return Ok(vec![(String::from("random"), random_views(seed))]);
         }
->>>>>>> 66088e3
         if let (Some(left), Some(right)) = (&self.left, &self.right) {
             let pair = StereoPair::read(left, right)?;
             let path = left.canonicalize().with_context(|| left.display().to_string())?;
