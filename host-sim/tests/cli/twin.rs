@@ -37,6 +37,8 @@ fn what_cannot_run_is_refused_before_anything_is_built() {
     bench.refuses("twin left.png right.png --obstacles o.csv", &["--rig"]);
     bench.succeeds("rig new rig.toml");
     bench.refuses("twin left.png right.png --rig rig.toml", &["320x240", &format!("{WIDTH}x{HEIGHT}")]);
+    bench.refuses("twin left.png right.png --random 1", &["--random"]);
+    bench.refuses("twin --random x", &["--random", "whole number"]);
     bench.refuses("twin left.png", &["RIGHT"]);
     bench.refuses("twin", &["LEFT"]);
 }
