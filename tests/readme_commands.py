@@ -53,8 +53,9 @@ with tempfile.TemporaryDirectory() as name:
         if (clone / "out/demo/left.png").exists():
             lay_out(clone, clone / "out/demo")
     seconds = resource.getrusage(resource.RUSAGE_CHILDREN)
-    print(f"the clone: {seconds.ru_utime + seconds.ru_stime:.0f} s of processor time, "
-          f"target {sum(f.stat().st_size for f in (clone / 'target').rglob('*') if f.is_file()) >> 20} MiB")
+    target = Path(os.environ.get("CARGO_TARGET_DIR", clone / "target"))
+    size = sum(file.stat().st_size for file in target.rglob("*") if file.is_file())
+    print(f"the clone: {seconds.ru_utime + seconds.ru_stime:.0f} s of processor time, {target}: {size >> 20} MiB")
 
     # Everything but cargo's lines works without the sources.
     shutil.rmtree(clone)
