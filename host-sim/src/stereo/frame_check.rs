@@ -19,7 +19,7 @@ pub const MOST_MISMATCH_PERCENT: f64 = 27.0;
 pub const LEAST_SEEN_PERCENT: f64 = 1.0;
 
 /// What a frame is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Input {
     /// Two views of one scene.
@@ -82,7 +82,9 @@ impl FrameCheck {
         assert_eq!(map.disparity.len(), pair.left.luma.len(), "map and views differ in size");
         let sums = Sums::of(pair, offset, map);
         let mismatch_percent = sums.mismatch_percent();
-        let input = if sums.seen_percent() < LEAST_SEEN_PERCENT {
+        let input = if sums.cells < LEAST_CELLS {
+            Input::Ok
+        } else if sums.seen_percent() < LEAST_SEEN_PERCENT {
             Input::NothingSeen
         } else if pair.left.luma == pair.right.luma {
             Input::SameView
@@ -104,6 +106,38 @@ impl FrameCheck {
     }
 }
 
+/// Decides frame by frame whether obstacles are told at all. Cameras whose frames matched do not become swapped or bent
+/// from one frame to the next, but a thing close to cameras that are not quite rectified does not match: so of cameras
+/// that were right once it takes several wrong frames in a row.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Trust {
+    was_ok: bool,
+    mismatches: u32,
+}
+
+impl Trust {
+    /// Frames in a row that must not match before cameras that matched are no longer believed.
+    const PATIENCE: u32 = 8;
+
+    /// Takes the next frame; whether obstacles are told of it.
+    pub fn take(&mut self, input: Input) -> bool {
+        match input {
+            Input::Ok => {
+                *self = Self { was_ok: true, mismatches: 0 };
+                true
+            }
+            Input::Mismatch => {
+                self.mismatches = self.mismatches.saturating_add(1);
+                self.was_ok &= self.mismatches < Self::PATIENCE;
+                self.was_ok
+            }
+            Input::NothingSeen | Input::SameView => false,
+        }
+    }
+}
+
+/// Fewer cells than this say nothing of a frame.
+const LEAST_CELLS: usize = 12;
 /// Columns and rows of a cell.
 const CELL: [usize; 2] = [8, 4];
 /// Gradients count up to here, grey levels, or up to three times what noise makes: what stands out more says no more.
@@ -302,6 +336,19 @@ mod tests {
         let pair = StereoPair { left, right: Frame::from_luma(160, 60, lower) };
         assert_eq!(check(&pair, &map).input, Input::Mismatch);
         assert_eq!(FrameCheck::of(&pair, Offset { rows: 3, columns: 0 }, &map).input, Input::Ok);
+    }
+
+    #[test]
+    fn cameras_that_matched_are_believed_for_a_while_and_others_not_at_all() {
+        let told = |inputs: &[Input]| {
+            let mut trust = Trust::default();
+            inputs.iter().map(|&input| trust.take(input)).collect::<Vec<bool>>()
+        };
+        let wrong = [Input::Mismatch; 9];
+        assert_eq!(told(&wrong), [false; 9]);
+        let first_right = [&[Input::Ok], &wrong[..], &[Input::Ok, Input::NothingSeen, Input::Mismatch]].concat();
+        let wanted = [[true; 8].as_slice(), &[false, false, true, false, true]].concat();
+        assert_eq!(told(&first_right), wanted);
     }
 
     #[test]

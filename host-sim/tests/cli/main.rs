@@ -8,6 +8,7 @@
 )]
 
 mod bad_input;
+mod bench;
 mod cases;
 mod contours;
 mod degradation;
@@ -15,6 +16,7 @@ mod demo;
 mod depth;
 mod eval;
 mod files;
+mod play;
 mod receive;
 mod record;
 mod rig;
