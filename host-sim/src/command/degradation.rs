@@ -8,51 +8,53 @@ use super::{natural_number, number, whole_number};
 use crate::Frame;
 use crate::score::degrade::{Degradation, Misalignment};
 
+/// What these options stand under in the help.
+const HEADING: &str = "Views made worse on purpose";
+
 /// What is done to both views before they are matched.
 #[derive(Debug, clap::Args)]
-#[command(next_help_heading = "Views made worse on purpose")]
 pub(super) struct DegradationOptions {
     /// Adds Gaussian noise to both views: standard deviation, grey levels
-    #[arg(long, value_name = "SIGMA", default_value_t = 0.0, allow_hyphen_values = true, value_parser = number)]
+    #[arg(long, help_heading = HEADING, value_name = "SIGMA", default_value_t = 0.0, allow_hyphen_values = true, value_parser = number)]
     noise: f64,
     /// Adds shot noise to both views: standard deviation at one grey level, grows with the root of the light
-    #[arg(long, value_name = "SIGMA", default_value_t = 0.0, allow_hyphen_values = true, value_parser = number)]
+    #[arg(long, help_heading = HEADING, value_name = "SIGMA", default_value_t = 0.0, allow_hyphen_values = true, value_parser = number)]
     shot_noise: f64,
     /// Adds a fixed pattern to both views: standard deviation from column to column, grey levels
-    #[arg(long, value_name = "SIGMA", default_value_t = 0.0, allow_hyphen_values = true, value_parser = number)]
+    #[arg(long, help_heading = HEADING, value_name = "SIGMA", default_value_t = 0.0, allow_hyphen_values = true, value_parser = number)]
     pattern_noise: f64,
     /// Multiplies the right view
-    #[arg(long, value_name = "G", default_value_t = 1.0, allow_hyphen_values = true, value_parser = number)]
+    #[arg(long, help_heading = HEADING, value_name = "G", default_value_t = 1.0, allow_hyphen_values = true, value_parser = number)]
     gain: f64,
     /// Adds grey levels to the right view, after the gain
-    #[arg(long, value_name = "O", default_value_t = 0.0, allow_hyphen_values = true, value_parser = number)]
+    #[arg(long, help_heading = HEADING, value_name = "O", default_value_t = 0.0, allow_hyphen_values = true, value_parser = number)]
     offset: f64,
     /// Multiplies both views, after gain and offset and before the noise: less light
-    #[arg(long, value_name = "G", default_value_t = 1.0, allow_hyphen_values = true, value_parser = number)]
+    #[arg(long, help_heading = HEADING, value_name = "G", default_value_t = 1.0, allow_hyphen_values = true, value_parser = number)]
     both_gain: f64,
     /// Moves the right view so many rows down, -64 to 64, fractions too
-    #[arg(long, value_name = "R", default_value_t = 0.0, allow_hyphen_values = true, value_parser = number)]
+    #[arg(long, help_heading = HEADING, value_name = "R", default_value_t = 0.0, allow_hyphen_values = true, value_parser = number)]
     row_offset: f64,
     /// Turns the right view about its centre, degrees clockwise, -45 to 45
-    #[arg(long, value_name = "DEG", default_value_t = 0.0, allow_hyphen_values = true, value_parser = number)]
+    #[arg(long, help_heading = HEADING, value_name = "DEG", default_value_t = 0.0, allow_hyphen_values = true, value_parser = number)]
     roll: f64,
     /// Stretches the right view's rows about its centre, 0.5 to 2
-    #[arg(long, value_name = "S", default_value_t = 1.0, allow_hyphen_values = true, value_parser = number)]
+    #[arg(long, help_heading = HEADING, value_name = "S", default_value_t = 1.0, allow_hyphen_values = true, value_parser = number)]
     row_scale: f64,
     /// Exchanges the views
-    #[arg(long)]
+    #[arg(long, help_heading = HEADING)]
     swap: bool,
     /// Takes the right view of another scene: its folder (in eval its name is enough) or an image
-    #[arg(long, value_name = "SCENE")]
+    #[arg(long, help_heading = HEADING, value_name = "SCENE")]
     right_from: Option<PathBuf>,
     /// Keeps so many bits of each grey level, 1 to 8
-    #[arg(long, value_name = "N", default_value_t = 8, allow_hyphen_values = true, value_parser = whole_number)]
+    #[arg(long, help_heading = HEADING, value_name = "N", default_value_t = 8, allow_hyphen_values = true, value_parser = whole_number)]
     bits: i64,
     /// Random bytes instead of both views
-    #[arg(long)]
+    #[arg(long, help_heading = HEADING)]
     random: bool,
     /// Seed of the noise and of random views
-    #[arg(long, value_name = "S", default_value_t = 0, allow_hyphen_values = true, value_parser = natural_number)]
+    #[arg(long, help_heading = HEADING, value_name = "S", default_value_t = 0, allow_hyphen_values = true, value_parser = natural_number)]
     seed: u64,
 }
 
