@@ -49,6 +49,13 @@ pub enum ConfigError {
     },
     /// The column offset must be -128 to 128 px.
     ColumnOffset,
+    /// Rectification needs more rows than its ring holds.
+    RingRows {
+        /// Rows of both views that must wait.
+        needed: u16,
+        /// Rows that there are.
+        rows: u16,
+    },
 }
 
 impl fmt::Display for ConfigError {
@@ -76,6 +83,9 @@ impl fmt::Display for ConfigError {
             Self::TemplateWidth => f.write_str("the width of a template must be odd, 3 to 9 px"),
             Self::RowOffset { max_rows } => write!(f, "the row offset must be -{max_rows} to {max_rows} rows"),
             Self::ColumnOffset => f.write_str("the column offset must be -128 to 128 px"),
+            Self::RingRows { needed, rows } => {
+                write!(f, "rectification needs {needed} rows of both views, and its ring holds {rows}")
+            }
         }
     }
 }

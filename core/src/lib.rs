@@ -46,6 +46,9 @@ mod matching;
 mod method;
 mod output;
 
+// Before them, once for a rig.
+pub mod align;
+
 // What all of them know.
 pub mod config;
 pub mod count;
@@ -76,7 +79,7 @@ pub use obstacle::Obstacles;
 pub use parts::Parts;
 pub use pipeline::blocks_for;
 pub use reading::Reading;
-pub use rectify::{Offset, Paired};
+pub use rectify::{Offset, Paired, Ramp, Rectified, RectifiedRow, Rectifier};
 pub use rig::{Depth, Rig};
 pub use scales::Scales;
 pub use scanline::ScanlinePair;

@@ -1,7 +1,7 @@
 //! All that a program must know of its cameras, in integers: what a rig description comes down to.
 
 use crate::output::obstacle::{Mounting, Sectors};
-use crate::{Config, Offset, Rig, Wiring};
+use crate::{Config, Ramp, Rig, Wiring};
 
 /// A rig as the chip sees it. `SECTORS` is the capacity for bearing sectors.
 ///
@@ -15,8 +15,10 @@ pub struct Setup<const SECTORS: usize> {
     pub height: u16,
     /// How the cameras share the port.
     pub wiring: Wiring,
-    /// How far the right view is displaced.
-    pub offset: Offset,
+    /// Where the right view has the left one's rows.
+    pub ramp: Ramp,
+    /// Whole columns by which the right view shows everything too far right.
+    pub columns: i16,
     /// Focal length and baseline.
     pub rig: Rig,
     /// How the cameras stand over the ground, and what is in the way.

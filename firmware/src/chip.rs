@@ -20,7 +20,7 @@ use embassy_stm32::{Peripherals, bind_interrupts, dma, i2c};
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use embassy_sync::zerocopy_channel::Channel;
 use embassy_time::{Duration, Instant, Ticker};
-use haarline::{ConfigError, Full, Lite, Paired, Setup, Stage, StereoMethod, blocks_for};
+use haarline::{ConfigError, Full, Lite, Rectified, Setup, Stage, StereoMethod, blocks_for};
 use haarline_firmware::autopilot::Sightings;
 use haarline_firmware::capture::Patience;
 use haarline_firmware::h743::camera::{Camera, Pins, PortHandler};
@@ -58,8 +58,8 @@ const PATIENCE: Patience = Patience {
 };
 
 type Clock = &'static CycleClock;
-/// The method behind the rig's offset.
-type Behind = Paired<&'static mut dyn StereoMethod, { PLAN.offset.waiting_rows() }, { settings::WIDTH as usize }>;
+/// The method behind rectification, with the rows that the rig needs.
+type Behind = Rectified<&'static mut dyn StereoMethod, { PLAN.waiting_rows() }, { settings::WIDTH as usize }>;
 
 /// What happened to the camera's frames.
 static COUNTERS: SharedCounters = SharedCounters::new();
@@ -184,9 +184,9 @@ fn method(clock: Clock) -> Result<&'static mut dyn StereoMethod, ConfigError> {
     })
 }
 
-/// Builds it behind the rig's offset.
+/// Builds it behind rectification.
 fn behind_offset(clock: Clock) -> &'static mut Behind {
-    match method(clock).and_then(|method| Paired::new(method, PLAN.offset)) {
+    match method(clock).and_then(|method| Rectified::new(method, PLAN.height, PLAN.ramp, PLAN.columns)) {
         Ok(behind) => BEHIND.init(behind),
         Err(error) => defmt::panic!("the rig: {}", defmt::Display2Format(&error)),
     }

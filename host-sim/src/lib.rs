@@ -5,6 +5,7 @@
 //!   [`synthetic`] renders a scene with known truth;
 //! - [`stereo`]: the registry of the methods, a frame through one of them, its disparities, depth and obstacles;
 //!   [`play`]: a recording through one;
+//! - [`rig`]: a rig aligned from its own frames;
 //! - [`output`]: files and pictures;
 //! - [`score`]: scenes with truth, how right a map is, what the parts of a method bring; frames made worse on purpose;
 //!   [`study`]: the paper's experiments;
@@ -21,6 +22,7 @@ pub mod command;
 pub mod input;
 pub mod output;
 pub mod play;
+pub mod rig;
 pub mod score;
 pub mod stereo;
 pub mod study;

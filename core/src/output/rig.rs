@@ -15,13 +15,17 @@ pub enum Depth {
     Unknown,
 }
 
-/// Focal length and baseline of a rectified pair.
+/// Focal length, baseline and optical axes of a rectified pair.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Rig {
     /// Focal length, 1/256 px.
     focal_px_q8: u32,
     /// Distance of the cameras, µm.
     baseline_um: u32,
+    /// Column and row of the left camera's axis, 1/256 px, where they are known.
+    axis_q8: Option<[i32; 2]>,
+    /// Column of the right camera's axis less that of the left one, 1/256 px.
+    doffs_q8: i32,
 }
 
 impl Rig {
@@ -32,7 +36,36 @@ impl Rig {
         if focal_px_q8 == 0 || baseline_um == 0 {
             return None;
         }
-        Some(Self { focal_px_q8, baseline_um })
+        Some(Self { focal_px_q8, baseline_um, axis_q8: None, doffs_q8: 0 })
+    }
+
+    /// The same with the optical axes where they are known: column and row of the left one, and the column of the right
+    /// one less that of the left one (`cx`, `cy` and `doffs` of Middlebury's calibrations), 1/256 px, within ±2^22.
+    #[must_use]
+    pub const fn with_axes(self, axis_q8: Option<[i32; 2]>, doffs_q8: i32) -> Self {
+        Self { axis_q8, doffs_q8, ..self }
+    }
+
+    /// Column and row of the left camera's axis, 1/256 px; the middle of a view of that size where they are not known.
+    #[must_use]
+    pub fn axis_q8(&self, [width, height]: [u16; 2]) -> [i32; 2] {
+        self.axis_q8.unwrap_or([128 * (i32::from(width) - 1), 128 * (i32::from(height) - 1)])
+    }
+
+    /// Column of the right camera's axis less that of the left one, 1/256 px.
+    #[must_use]
+    pub const fn doffs_q8(&self) -> i32 {
+        self.doffs_q8
+    }
+
+    /// The disparity that cameras with the same axes would show, to which depth is the inverse: with
+    /// [`Rig::doffs_q8`] added, to 1/16 px.
+    #[must_use]
+    pub fn without_doffs(&self, disparity: Disparity) -> Disparity {
+        let Some(bits) = disparity.known() else { return Disparity::UNKNOWN };
+        let bits = i32::from(bits) + ((self.doffs_q8 + 8) >> 4);
+        let bits = bits.clamp(i32::from(i16::MIN) + 1, i32::from(i16::MAX));
+        Disparity::from_bits(i16::try_from(bits).unwrap_or(0))
     }
 
     /// Focal length, 1/256 px.
@@ -47,7 +80,7 @@ impl Rig {
         self.baseline_um
     }
 
-    /// Depth of a point of that disparity: focal length x baseline / disparity.
+    /// Depth of a point of that disparity: focal length x baseline / (disparity + [`Rig::doffs_q8`]).
     ///
     /// # Examples
     /// ```
@@ -61,16 +94,16 @@ impl Rig {
     #[must_use]
     pub const fn depth(&self, disparity: Disparity) -> Depth {
         let Some(bits) = disparity.known() else { return Depth::Unknown };
-        if bits == 0 {
+        let q8 = 16 * bits as i64 + self.doffs_q8 as i64;
+        if q8 == 0 {
             return Depth::Infinite;
         }
-        if bits < 0 {
+        if q8 < 0 {
             return Depth::BehindInfinity;
         }
-        // px_q8 * um * 16 / (256 * 1000 * bits): below 2^64 before the last step, since 2^32 * 2^32
-        // would need both at their limit; divide by 16 first: 16 / 256 = 1 / 16.
+        // Both are below 2^64: px / 256 x um / 1000, by px / 256.
         let numerator = self.focal_px_q8 as u64 * self.baseline_um as u64;
-        let denominator = 16_000 * bits.unsigned_abs() as u64;
+        let denominator = 1000 * q8.unsigned_abs();
         let mm = numerator / denominator + (numerator % denominator >= denominator.div_ceil(2)) as u64;
         #[expect(clippy::cast_possible_truncation, reason = "bounded on the line itself")]
         let mm = if mm > u32::MAX as u64 { u32::MAX } else { mm as u32 };
@@ -117,6 +150,17 @@ mod tests {
         assert_eq!(depth(-1), Depth::BehindInfinity);
         assert_eq!(depth(i16::MIN + 1), Depth::BehindInfinity);
         assert_eq!(depth(i16::MIN), Depth::Unknown);
+    }
+
+    #[test]
+    fn axes_that_differ_are_added_to_every_disparity() {
+        let rig = Rig::new(200 << 8, 60_000).unwrap();
+        let apart = rig.with_axes(Some([40_000, 30_000]), 5 << 8);
+        assert_eq!(apart.depth(Disparity::from_px(3)), rig.depth(Disparity::from_px(8)));
+        assert_eq!(apart.depth(Disparity::from_px(-5)), Depth::Infinite);
+        assert_eq!(apart.without_doffs(Disparity::from_px(3)), Disparity::from_px(8));
+        assert_eq!(apart.without_doffs(Disparity::UNKNOWN), Disparity::UNKNOWN);
+        assert_eq!((rig.axis_q8([320, 240]), apart.axis_q8([320, 240])), ([40_832, 30_592], [40_000, 30_000]));
     }
 
     proptest! {

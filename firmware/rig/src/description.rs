@@ -3,7 +3,7 @@
 use haarline::obstacle::MAX_SECTORS;
 use haarline::setup::Reach;
 use haarline::wiring::{First, Kind, Skew};
-use haarline::{Config, Offset, Rig, Setup, Wiring};
+use haarline::{Config, Ramp, Rig, Setup, Wiring};
 
 use crate::field::Values;
 use crate::{Plan, RigError};
@@ -26,10 +26,20 @@ pub struct Description {
     pub frame_rate_hz: u16,
     /// Integration time that a board sets, lines; 0: the first camera's own control, copied to the second.
     pub exposure_lines: u16,
-    /// How far the right view is displaced, px.
-    pub offset: Offset,
+    /// Row offset of the right view in its middle column, px.
+    pub row_offset: f64,
+    /// Roll of the right camera, degrees; positive where points to the right lie lower.
+    pub roll_deg: f64,
+    /// How much higher than the left view the right one is, percent.
+    pub scale_percent: f64,
+    /// Whole columns by which the right view shows everything too far right.
+    pub column_offset: i16,
     /// Focal length, px.
     pub focal_px: f64,
+    /// Column and row of the left camera's axis, px, where they are known.
+    pub principal: [Option<f64>; 2],
+    /// Column of the right camera's axis less that of the left one, px.
+    pub doffs: f64,
     /// Distance of the cameras, mm.
     pub baseline_mm: f64,
     /// Least disparity searched, px.
@@ -68,8 +78,13 @@ impl Description {
             height: values.whole("height"),
             frame_rate_hz: values.whole("frame_rate_hz"),
             exposure_lines: values.whole("exposure_lines"),
-            offset: Offset { rows: values.whole("row_offset"), columns: values.whole("column_offset") },
+            row_offset: values.real("row_offset"),
+            roll_deg: values.real("roll_deg"),
+            scale_percent: values.real("scale_percent"),
+            column_offset: values.whole("column_offset"),
             focal_px: values.real("focal_px"),
+            principal: ["cx", "cy"].map(|name| values.try_real(name)),
+            doffs: values.real("doffs"),
             baseline_mm: values.real("baseline_mm"),
             min_disparity: values.whole("min_disparity"),
             num_disparities: values.whole("num_disparities"),
@@ -101,7 +116,7 @@ impl Description {
         if lowest_mm >= highest_mm {
             return refuse(format!("lowest_mm = {lowest_mm}: must be under highest_mm, {highest_mm} mm"));
         }
-        if self.max_disparity() < 1 {
+        if f64::from(self.max_disparity()) + self.doffs < 1.0 {
             let (min, max) = (self.min_disparity, self.max_disparity());
             return refuse(format!(
                 "min_disparity = {min}, num_disparities = {}: {min} to {max} px holds no finite distance; must reach 1 px",
@@ -131,6 +146,25 @@ impl Description {
         Config { width: self.width, min_disparity: self.min_disparity, num_disparities: self.num_disparities }
     }
 
+    /// Where the right view has the left one's rows.
+    #[must_use]
+    pub fn ramp(&self) -> Ramp {
+        let roll = self.roll_deg.to_radians();
+        Ramp {
+            rows_q16: fixed_q16(self.row_offset),
+            roll_q16: fixed_q16(roll.tan()),
+            // A rolled view is sheared by rows alone, in a column of which it is higher by the cosine.
+            scale_q16: fixed_q16((1.0 + self.scale_percent / 100.0) / roll.cos() - 1.0),
+        }
+    }
+
+    /// The middle of the left camera's view, px: its axis where it is known, else the middle of the picture.
+    #[must_use]
+    pub fn middle(&self) -> [f64; 2] {
+        let [cx, cy] = self.principal;
+        [cx.unwrap_or((f64::from(self.width) - 1.0) / 2.0), cy.unwrap_or((f64::from(self.height) - 1.0) / 2.0)]
+    }
+
     /// Greatest whole disparity searched, px.
     #[must_use]
     pub fn max_disparity(&self) -> i32 {
@@ -155,7 +189,7 @@ impl Description {
         -beside * i16::from(self.sector_deg)
     }
 
-    /// Depth of a disparity, mm.
+    /// Depth of a disparity with `doffs` added, mm.
     #[must_use]
     pub fn depth_mm(&self, disparity_px: f64) -> f64 {
         self.focal_px * self.baseline_mm / disparity_px
@@ -164,7 +198,8 @@ impl Description {
     /// Least and greatest finite depth that whole disparities of the search have, mm.
     #[must_use]
     pub fn depths_mm(&self) -> [f64; 2] {
-        [f64::from(self.max_disparity()), f64::from(self.min_disparity.max(1))].map(|px| self.depth_mm(px))
+        let [least, most] = [i32::from(self.min_disparity), self.max_disparity()].map(|px| f64::from(px) + self.doffs);
+        [most, least.max(1.0)].map(|px| self.depth_mm(px))
     }
 
     /// The figures as a chip takes them.
@@ -175,13 +210,16 @@ impl Description {
         self.check()?;
         let rig = Rig::new(steps(self.focal_px, 256.0), steps(self.baseline_mm, 1000.0));
         let rig = rig.ok_or_else(|| RigError::from("focal_px, baseline_mm: must be positive".to_owned()))?;
+        let is_known = self.principal.iter().any(Option::is_some);
+        let rig = rig.with_axes(is_known.then(|| self.middle().map(fixed_q8)), fixed_q8(self.doffs));
         Ok(Plan {
             config: self.config(),
             height: self.height,
             wiring: self.wiring,
             frame_rate_hz: self.frame_rate_hz,
             exposure_lines: (self.exposure_lines > 0).then_some(self.exposure_lines),
-            offset: self.offset,
+            ramp: self.ramp(),
+            columns: self.column_offset,
             rig,
             camera_height_mm: self.camera_height_mm,
             pitch_deg: narrow(self.pitch_deg),
@@ -208,6 +246,16 @@ impl Description {
     }
 }
 
+#[expect(clippy::cast_possible_truncation, reason = "fields are in range")]
+fn fixed_q8(value: f64) -> i32 {
+    (value * 256.0).round() as i32
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "fields are in range")]
+fn fixed_q16(value: f64) -> i32 {
+    (value * 65_536.0).round() as i32
+}
+
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped by the caller")]
 fn to_u16(value: f64) -> u16 {
     value.floor() as u16
@@ -232,7 +280,7 @@ mod tests {
     /// The template with some lines replaced.
     fn with(changes: &[(&str, &str)]) -> String {
         let line = |line: &str| {
-            let key = line.split(" = ").next().unwrap_or_default();
+            let key = line.trim_start_matches("# ").split(" =").next().unwrap_or_default();
             let change = changes.iter().find(|(name, _)| *name == key);
             change.map_or_else(|| line.to_owned(), |(name, value)| format!("{name} = {value}"))
         };
@@ -261,9 +309,14 @@ mod tests {
             ("height", "4097", "a whole number, 8 to 4096 px"),
             ("frame_rate_hz", "0", "a whole number, 1 to 120 1/s"),
             ("exposure_lines", "-1", "a whole number, 0 to 65535 lines"),
-            ("row_offset", "-17", "a whole number, -16 to 16 px"),
+            ("row_offset", "-17", "-16 to 16 px"),
+            ("roll_deg", "5.5", "-5 to 5 degrees"),
+            ("scale_percent", "-6", "-5 to 5 percent"),
             ("column_offset", "129", "a whole number, -128 to 128 px"),
             ("focal_px", "nan", "10 to 10000 px"),
+            ("cx", "nan", "-10000 to 10000 px"),
+            ("cy", "\"middle\"", "-10000 to 10000 px"),
+            ("doffs", "300", "-256 to 256 px"),
             ("baseline_mm", "0", "1 to 10000 mm"),
             ("min_disparity", "1.5", "a whole number, -128 to 128 px"),
             ("num_disparities", "0", "a whole number, 1 to 256 px"),

@@ -24,7 +24,7 @@ pub(crate) struct Field {
     unit: &'static str,
     /// Its value in the template.
     example: &'static str,
-    /// Whether it may be left out; the example's value holds then.
+    /// Whether it may be left out; the example's value holds then, or none where the example is empty.
     optional: bool,
 }
 
@@ -43,7 +43,7 @@ use Range::{Real, Whole, Words};
 
 /// All of them, in the order of the template.
 #[rustfmt::skip]
-pub(crate) const FIELDS: [Field; 18] = [
+pub(crate) const FIELDS: [Field; 23] = [
     field("wiring", "how the two cameras share the port", Words(&["pixel", "line", "side-by-side", "nibble", "pairs16"]), "", "\"pixel\"", false),
     field("first", "the camera that comes first: in time, in the left half, on the low data lines", Words(&["left", "right"]), "", "\"left\"", true),
     field("skew", "the camera whose pixels come one late; with wiring = \"pixel\" only", Words(&["none", "left", "right"]), "", "\"none\"", true),
@@ -51,9 +51,14 @@ pub(crate) const FIELDS: [Field; 18] = [
     field("height", "rows of one view", Whole(8, 4096), "px", "240", false),
     field("frame_rate_hz", "frames that a board lets the cameras take", Whole(1, 120), "1/s", "5", true),
     field("exposure_lines", "integration time that a board sets in both cameras; 0: the first one's own control, copied to the second", Whole(0, 65_535), "lines", "0", true),
-    field("row_offset", "what the left view shows in a row, the right one shows so many rows lower", Whole(-16, 16), "px", "0", true),
+    field("row_offset", "what the left view shows in a row, the right one shows so many rows lower, in its middle column; haarline align finds it", Real(-16.0, 16.0), "px", "0.0", true),
+    field("roll_deg", "roll of the right camera: what it shows to the right lies lower; haarline align finds it", Real(-5.0, 5.0), "degrees", "0.0", true),
+    field("scale_percent", "how much higher than the left view the right one is; haarline align finds it", Real(-5.0, 5.0), "percent", "0.0", true),
     field("column_offset", "the right view shows everything so many columns too far right", Whole(-128, 128), "px", "0", true),
     field("focal_px", "focal length of the rectified views", Real(10.0, 10_000.0), "px", "200.0", false),
+    field("cx", "column of the left camera's axis in the rectified view; the middle where it is left out", Real(-10_000.0, 10_000.0), "px", "", true),
+    field("cy", "row of the left camera's axis in the rectified view; the middle where it is left out", Real(-10_000.0, 10_000.0), "px", "", true),
+    field("doffs", "column of the right camera's axis less that of the left one: depth = focal_px x baseline_mm / (disparity + doffs)", Real(-256.0, 256.0), "px", "0.0", true),
     field("baseline_mm", "distance of the two cameras", Real(1.0, 10_000.0), "mm", "60.0", false),
     field("min_disparity", "least disparity that is searched", Whole(-128, 128), "px", "0", true),
     field("num_disparities", "how many disparities are searched from there on; not more than the width", Whole(1, 256), "px", "48", false),
@@ -101,9 +106,39 @@ pub fn template() -> String {
     for field in FIELDS {
         let optional = if field.optional { "; may be left out" } else { "" };
         let (name, about, allowed) = (field.name, field.about, field.allowed());
-        text += &format!("\n# {about}:\n# {allowed}{optional}\n{name} = {}\n", field.example);
+        let line = if field.example.is_empty() { format!("# {name} =") } else { format!("{name} = {}", field.example) };
+        text += &format!("\n# {about}:\n# {allowed}{optional}\n{line}\n");
     }
     text
+}
+
+/// The text of a description with some fields set: in their lines where they have some, at the end otherwise; all other
+/// lines stay.
+#[must_use]
+pub fn with_fields(text: &str, fields: &[(&str, String)]) -> String {
+    let mut left: Vec<_> = fields.iter().collect();
+    let mut lines: Vec<String> = Vec::new();
+    for line in text.lines() {
+        let key = line.split_once('=').map(|(key, _)| key.trim().trim_start_matches('#').trim());
+        let is_set = !line.trim_start().starts_with('#');
+        // A field's line, or the empty one of the template in its place.
+        let place = left.iter().position(|(name, _)| {
+            key == Some(*name) && (is_set || (line.trim_end().ends_with('=') && !has_line(text, name)))
+        });
+        match place.map(|place| left.remove(place)) {
+            Some((name, value)) => {
+                let comment = line.split_once('#').filter(|_| is_set).map(|(_, words)| format!("  #{words}"));
+                lines.push(format!("{name} = {value}{}", comment.unwrap_or_default()));
+            }
+            None => lines.push(line.to_owned()),
+        }
+    }
+    lines.extend(left.into_iter().map(|(name, value)| format!("{name} = {value}")));
+    lines.join("\n") + "\n"
+}
+
+fn has_line(text: &str, name: &str) -> bool {
+    text.lines().any(|line| line.split_once('=').is_some_and(|(key, _)| key.trim() == name))
 }
 
 /// The fields of a description, each within its range.
@@ -120,6 +155,9 @@ impl Values {
         for field in &FIELDS {
             let name = field.name;
             if field.optional && !table.contains_key(name) {
+                if field.example.is_empty() {
+                    continue;
+                }
                 let example: Table =
                     format!("{name} = {}", field.example).parse().map_err(|_| format!("{name}: no default"))?;
                 table.extend(example);
@@ -147,7 +185,12 @@ impl Values {
     }
 
     pub(crate) fn real(&self, name: &str) -> f64 {
-        self.0.get(name).and_then(number).unwrap_or_default()
+        self.try_real(name).unwrap_or_default()
+    }
+
+    /// A number that may be missing.
+    pub(crate) fn try_real(&self, name: &str) -> Option<f64> {
+        self.0.get(name).and_then(number)
     }
 }
 

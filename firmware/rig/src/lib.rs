@@ -23,4 +23,9 @@ mod rust;
 pub use plan::Plan;
 
 #[cfg(feature = "description")]
-pub use {derived::Derived, description::Description, error::RigError, field::template};
+pub use {
+    derived::Derived,
+    description::Description,
+    error::RigError,
+    field::{template, with_fields},
+};

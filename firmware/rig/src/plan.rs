@@ -2,7 +2,7 @@
 
 use haarline::obstacle::{Mounting, Sectors};
 use haarline::setup::Reach;
-use haarline::{Config, Offset, Rig, Setup, Wiring};
+use haarline::{Config, Ramp, Rig, Setup, Wiring};
 
 use crate::angle::{secant_q14, sin_cos_q14, tangent_q16};
 
@@ -19,8 +19,10 @@ pub struct Plan {
     pub frame_rate_hz: u16,
     /// Integration time of both cameras, lines; `None`: the first one's own control, copied to the second.
     pub exposure_lines: Option<u16>,
-    /// How far the right view is displaced.
-    pub offset: Offset,
+    /// Where the right view has the left one's rows.
+    pub ramp: Ramp,
+    /// Whole columns by which the right view shows everything too far right.
+    pub columns: i16,
     /// Focal length and baseline.
     pub rig: Rig,
     /// Height of the cameras over the ground, mm.
@@ -38,12 +40,21 @@ pub struct Plan {
 }
 
 impl Plan {
+    /// Rows of both views that rectification holds: its capacity; 0 where nothing is displaced.
+    #[must_use]
+    pub const fn waiting_rows(&self) -> usize {
+        if self.ramp.is_straight() && self.columns == 0 {
+            return 0;
+        }
+        self.ramp.rows_needed([self.config.width, self.height])
+    }
+
     /// What the core works with. `SECTORS` is the capacity; `None` if there are more sectors than that.
     ///
     /// The angles become tangents and cosines here, by [`micromath`], on the chip as on the host.
     #[must_use]
     pub fn setup<const SECTORS: usize>(&self) -> Option<Setup<SECTORS>> {
-        let Self { config, height, wiring, offset, rig, reach, .. } = *self;
+        let Self { config, height, wiring, ramp, columns, rig, reach, .. } = *self;
         let [sin_pitch_q14, cos_pitch_q14] = sin_cos_q14(self.pitch_deg);
         let mounting = Mounting {
             height_mm: self.camera_height_mm,
@@ -52,7 +63,7 @@ impl Plan {
             lowest_mm: self.lowest_mm,
             highest_mm: self.highest_mm,
         };
-        Some(Setup { config, height, wiring, offset, rig, mounting, sectors: self.sectors()?, reach })
+        Some(Setup { config, height, wiring, ramp, columns, rig, mounting, sectors: self.sectors()?, reach })
     }
 
     /// Bearings of the sectors' middles, degrees clockwise from straight ahead.

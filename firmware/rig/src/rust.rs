@@ -14,7 +14,8 @@ impl Description {
             wiring,
             frame_rate_hz,
             exposure_lines,
-            offset,
+            ramp,
+            columns,
             rig,
             camera_height_mm,
             pitch_deg,
@@ -29,15 +30,16 @@ impl Description {
              pub const PLAN: haarline_rig::Plan = {{\n    \
              use haarline::setup::Reach;\n    \
              use haarline::wiring::{{First, Kind, Skew}};\n    \
-             use haarline::{{Config, Offset, Rig, Wiring}};\n    \
+             use haarline::{{Config, Ramp, Rig, Wiring}};\n    \
              haarline_rig::Plan {{\n        \
              config: {config:?},\n        \
              height: {height},\n        \
              wiring: Wiring {{ kind: Kind::{kind:?}, first: First::{first:?}, skew: Skew::{skew:?} }},\n        \
              frame_rate_hz: {frame_rate_hz},\n        \
              exposure_lines: {exposure_lines:?},\n        \
-             offset: {offset:?},\n        \
-             rig: Rig::new({focal}, {baseline}).unwrap(),\n        \
+             ramp: {ramp:?},\n        \
+             columns: {columns},\n        \
+             rig: Rig::new({focal}, {baseline}).unwrap().with_axes({axis:?}, {doffs}),\n        \
              camera_height_mm: {camera_height_mm},\n        \
              pitch_deg: {pitch_deg:?},\n        \
              lowest_mm: {lowest_mm},\n        \
@@ -50,6 +52,8 @@ impl Description {
             skew = wiring.skew,
             focal = rig.focal_px_q8(),
             baseline = rig.baseline_um(),
+            axis = self.principal.iter().any(Option::is_some).then(|| rig.axis_q8([config.width, height])),
+            doffs = rig.doffs_q8(),
         ))
     }
 }
@@ -65,9 +69,9 @@ mod tests {
         let (source, plan) = (description.to_rust().unwrap(), description.plan().unwrap());
         let wanted = [
             format!("config: {:?},", plan.config),
-            format!("offset: {:?},", plan.offset),
+            format!("ramp: {:?},", plan.ramp),
             format!("reach: {:?},", plan.reach),
-            "rig: Rig::new(51200, 60000).unwrap(),".to_owned(),
+            "rig: Rig::new(51200, 60000).unwrap().with_axes(None, 0),".to_owned(),
             "kind: Kind::PixelInterleaved, first: First::Left, skew: Skew::None".to_owned(),
             "frame_rate_hz: 5,".to_owned(),
             "exposure_lines: None,".to_owned(),

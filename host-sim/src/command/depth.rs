@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
 use haarline::obstacle::MAX_SECTORS;
-use haarline::{Config, Disparity, Offset};
+use haarline::{Config, Disparity};
 use haarline_rig::Description;
 use serde::Serialize;
 
@@ -20,7 +20,7 @@ use crate::stereo::disparity_map::{DisparityMap, Spread};
 use crate::stereo::frame_check::FrameCheck;
 use crate::stereo::method::MethodKind;
 use crate::stereo::obstacles::{FrameObstacles, ObstacleFinder, ObstacleSummary};
-use crate::stereo::pipeline::{self, Run};
+use crate::stereo::pipeline::{self, Rectification, Run};
 use crate::{Geometry, StereoPair, input::rig_file};
 
 /// Arguments of `haarline depth`.
@@ -119,9 +119,9 @@ impl Args {
             }
             None => self.search.config(pair.width() as u16)?,
         };
-        let offset = rig.as_ref().map_or_else(Offset::default, |rig| rig.offset);
-        let Run { mut map, elapsed } = pipeline::run_paired(&mut *method.build(config)?, offset, &pair)?;
-        let check = FrameCheck::of(&pair, offset, &map);
+        let rectification = rig.as_ref().map_or_else(Rectification::default, Rectification::from);
+        let Run { mut map, elapsed } = pipeline::run_rectified(&mut *method.build(config)?, &rectification, &pair)?;
+        let check = FrameCheck::of(&pair, &rectification, &map);
         map.drop_below(min_confidence);
         let obstacles = rig.as_ref().map(|rig| Found::new(rig, &map, &check)).transpose()?;
         if self.fill {

@@ -1,6 +1,7 @@
 //! The commands of the tool, and what they share: how they end and how they print.
 
 mod ablate;
+mod align;
 mod bench;
 mod contours;
 mod degradation;
@@ -50,6 +51,8 @@ enum Command {
     Play(play::Args),
     /// A pair or a recording in, the bytes a camera port would store of it out
     Record(record::Args),
+    /// Row offset, roll and scale of a rig found from its own frames, no target needed
+    Align(align::Args),
     /// Rig descriptions: what the cameras are like and how they stand
     Rig(rig::Args),
     /// Row packets that a chip sent in, disparity maps out
@@ -125,6 +128,7 @@ impl Cli {
             Command::Scene(args) => args.run()?,
             Command::Play(args) => args.run()?,
             Command::Record(args) => args.run()?,
+            Command::Align(args) => args.run()?,
             Command::Rig(args) => args.run()?,
             Command::Receive(args) => args.run()?,
             Command::Ablate(args) => args.run()?,

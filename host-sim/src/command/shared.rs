@@ -108,7 +108,7 @@ impl DepthOptions {
     /// Focal length and baseline, if they are known; `rig` has what the options told already.
     pub(super) fn geometry(&self, rig: Option<&Description>) -> Result<Option<Geometry>> {
         match rig {
-            Some(rig) => Geometry::new(rig.focal_px, rig.baseline_mm).map(Some),
+            Some(rig) => Geometry::of_rig(rig).map(Some),
             None => Geometry::from_options(self.focal_px, self.baseline_mm),
         }
     }

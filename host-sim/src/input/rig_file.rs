@@ -5,6 +5,8 @@ use std::path::Path;
 use anyhow::{Result, anyhow, ensure};
 use haarline_rig::Description;
 
+use crate::rig::import;
+
 /// Reads the description in `path`.
 ///
 /// # Errors
@@ -13,7 +15,12 @@ pub fn read(path: &Path) -> Result<Description> {
     let name = path.display();
     ensure!(!path.is_dir(), "{name}: is a folder, where a rig description is expected");
     let text = std::fs::read_to_string(path).map_err(|error| anyhow!("{name}: cannot be read: {error}"))?;
-    Description::parse(&text).map_err(|error| anyhow!("{name}: {error}"))
+    Description::parse(&text).map_err(|error| match import::kind_of(path) {
+        Some(kind) => {
+            anyhow!("{name}: this is {kind}; haarline rig import {name} -o rig.toml makes a rig description of it")
+        }
+        None => anyhow!("{name}: {error}"),
+    })
 }
 
 /// Refuses views of another size than the rig's.

@@ -10,7 +10,7 @@ use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread;
 
 use anyhow::{Result, ensure};
-use haarline::{Config, Offset, StereoMethod};
+use haarline::{Config, StereoMethod};
 use haarline_rig::Description;
 
 pub use report::{FrameReport, Status, Totals};
@@ -21,7 +21,7 @@ use crate::input::{noise, rig_file};
 use crate::stereo::frame_check::FrameCheck;
 use crate::stereo::method::Method;
 use crate::stereo::obstacles::ObstacleFinder;
-use crate::stereo::pipeline;
+use crate::stereo::pipeline::{self, Rectification};
 use crate::{DisparityMap, StereoPair};
 
 /// Frames that may wait before and after the matching.
@@ -79,7 +79,7 @@ pub struct Player {
     method: Box<dyn StereoMethod + Send>,
     height: usize,
     min_confidence: u8,
-    rig: Option<(Offset, ObstacleFinder)>,
+    rig: Option<(Rectification, ObstacleFinder)>,
 }
 
 impl Player {
@@ -102,7 +102,7 @@ impl Player {
             Some(mm) => ObstacleFinder::with_free_beyond(rig, mm)?,
             None => ObstacleFinder::new(rig)?,
         };
-        self.rig = Some((rig.offset, finder));
+        self.rig = Some((Rectification::from(rig), finder));
         Ok(self)
     }
 
@@ -159,9 +159,9 @@ impl Player {
     }
 
     fn match_one(&mut self, taken: Taken, pair: StereoPair, noise: Option<f64>) -> Result<Played> {
-        let offset = self.rig.as_ref().map_or_else(Offset::default, |(offset, _)| *offset);
-        let mut run = pipeline::run_paired(&mut *self.method, offset, &pair)?;
-        let check = FrameCheck::of(&pair, offset, &run.map);
+        let rectification = self.rig.as_ref().map_or_else(Rectification::default, |(rectification, _)| *rectification);
+        let mut run = pipeline::run_rectified(&mut *self.method, &rectification, &pair)?;
+        let check = FrameCheck::of(&pair, &rectification, &run.map);
         run.map.drop_below(self.min_confidence);
         let report = FrameReport::played(&taken, &run, noise, &check);
         let map: DisparityMap = run.map;

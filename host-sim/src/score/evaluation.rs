@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use anyhow::{Context, Result};
-use haarline::{Config, ConfigError, Offset, StereoMethod};
+use haarline::{Config, ConfigError, StereoMethod};
 use rayon::prelude::*;
 
 use crate::output::colour_range::ColourRange;
@@ -18,7 +18,8 @@ use crate::score::sure::{SURE, SureScore};
 use crate::score::{MapScore, Score};
 use crate::stereo::disparity_map::DisparityMap;
 use crate::stereo::frame_check::FrameCheck;
-use crate::stereo::{pipeline, smoothing};
+use crate::stereo::pipeline::{self, Rectification};
+use crate::stereo::smoothing;
 use crate::{Frame, Geometry, StereoPair, output};
 
 /// Builds an instance of a method.
@@ -181,7 +182,7 @@ impl<'a> Evaluator<'a> {
             Source::Maps(folder) => map_file::read(folder, scene)?,
             Source::Method(build) => pipeline::run(&mut *build(scene.config())?, &pair)?.map,
         };
-        let check = FrameCheck::of(&pair, Offset::default(), &map);
+        let check = FrameCheck::of(&pair, &Rectification::default(), &map);
         if self.fill {
             map.fill_holes();
         }

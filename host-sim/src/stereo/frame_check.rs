@@ -5,10 +5,10 @@
 //! make if nothing matched: 100 x sum |left - right| / (2 x sum |left|), over cells of 8 x 4 px of which the left view
 //! shows more than noise. Noise raises both sums, so that one limit does for all light.
 
-use haarline::Offset;
 use haarline::obstacle::Settings;
 use serde::Serialize;
 
+use super::pipeline::Rectification;
 use crate::input::noise;
 use crate::{DisparityMap, Frame, StereoPair};
 
@@ -73,14 +73,14 @@ pub struct FrameCheck {
 }
 
 impl FrameCheck {
-    /// Checks a frame of cameras that are displaced by `offset`, of which a method made `map`.
+    /// Checks a frame of cameras that are put right by `rig`, of which a method made `map`.
     ///
     /// # Panics
     /// If map and views differ in size.
     #[must_use]
-    pub fn of(pair: &StereoPair, offset: Offset, map: &DisparityMap) -> Self {
+    pub fn of(pair: &StereoPair, rig: &Rectification, map: &DisparityMap) -> Self {
         assert_eq!(map.disparity.len(), pair.left.luma.len(), "map and views differ in size");
-        let sums = Sums::of(pair, offset, map);
+        let sums = Sums::of(pair, rig, map);
         let mismatch_percent = sums.mismatch_percent();
         let input = if sums.cells < LEAST_CELLS {
             Input::Ok
@@ -155,7 +155,7 @@ struct Sums {
 }
 
 impl Sums {
-    fn of(pair: &StereoPair, offset: Offset, map: &DisparityMap) -> Self {
+    fn of(pair: &StereoPair, rig: &Rectification, map: &DisparityMap) -> Self {
         let sigma = noise::estimate(pair).unwrap_or(0.0) as f32;
         let smoothing = Smoothing::for_noise(sigma);
         let floor = smoothing.floor(sigma).max(LEAST_FLOOR);
@@ -164,7 +164,7 @@ impl Sums {
         let mut sums = Self::default();
         for top in (0..map.height.saturating_sub(CELL[1] - 1)).step_by(CELL[1]) {
             for first in (0..map.width.saturating_sub(CELL[0] - 1)).step_by(CELL[0]) {
-                sums.add(CellSums::of([first, top], offset, map, &left, &right), least);
+                sums.add(CellSums::of([first, top], rig, map, &left, &right), least);
             }
         }
         sums
@@ -203,14 +203,20 @@ struct CellSums {
 }
 
 impl CellSums {
-    fn of([first, top]: [usize; 2], offset: Offset, map: &DisparityMap, left: &Gradients, right: &Gradients) -> Self {
+    fn of(
+        [first, top]: [usize; 2],
+        rig: &Rectification,
+        map: &DisparityMap,
+        left: &Gradients,
+        right: &Gradients,
+    ) -> Self {
         let mut sums = Self::default();
         for y in top..top + CELL[1] {
             for x in first..first + CELL[0] {
                 let here = y * map.width + x;
                 let strength: f32 = left.iter().map(|gradient| gradient[here].abs()).sum();
                 sums.strength += strength;
-                if let Some(there) = corresponding([x, y], offset, map) {
+                if let Some(there) = corresponding([x, y], rig, map) {
                     sums.answered += 1;
                     sums.strength_answered += strength;
                     let pairs = left.iter().zip(right);
@@ -223,11 +229,11 @@ impl CellSums {
 }
 
 /// The pixel of the right view that the map names for one of the left view.
-fn corresponding([x, y]: [usize; 2], offset: Offset, map: &DisparityMap) -> Option<usize> {
+fn corresponding([x, y]: [usize; 2], rig: &Rectification, map: &DisparityMap) -> Option<usize> {
     let bits = i64::from(map.disparity[y * map.width + x].known()?);
     let px = (bits + 8).div_euclid(16);
-    let column = usize::try_from(x as i64 - px + i64::from(offset.columns)).ok().filter(|&x| x < map.width)?;
-    let row = usize::try_from(y as i64 + i64::from(offset.rows)).ok().filter(|&y| y < map.height)?;
+    let column = usize::try_from(x as i64 - px + i64::from(rig.columns)).ok().filter(|&x| x < map.width)?;
+    let row = rig.right_row([column, y], [map.width, map.height])?;
     Some(row * map.width + column)
 }
 
@@ -299,6 +305,7 @@ mod tests {
     use super::*;
     use crate::score::degrade::Degradation;
     use crate::synthetic::{Layer, Scene, Shape, Slope, Texture};
+    use haarline::Ramp;
 
     /// A textured plane at 7.5 px and what is true of it.
     fn plane(seed: u64) -> (StereoPair, DisparityMap) {
@@ -314,7 +321,7 @@ mod tests {
     }
 
     fn check(pair: &StereoPair, map: &DisparityMap) -> FrameCheck {
-        FrameCheck::of(pair, Offset::default(), map)
+        FrameCheck::of(pair, &Rectification::default(), map)
     }
 
     #[test]
@@ -335,7 +342,7 @@ mod tests {
         let lower = [vec![90; 3 * 160], right.luma[..57 * 160].to_vec()].concat();
         let pair = StereoPair { left, right: Frame::from_luma(160, 60, lower) };
         assert_eq!(check(&pair, &map).input, Input::Mismatch);
-        assert_eq!(FrameCheck::of(&pair, Offset { rows: 3, columns: 0 }, &map).input, Input::Ok);
+        assert_eq!(FrameCheck::of(&pair, &Rectification { ramp: Ramp::whole(3), columns: 0 }, &map).input, Input::Ok);
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 use anyhow::{Result, bail, ensure};
 use haarline::{Depth, Disparity, Rig};
+use haarline_rig::Description;
 
 use crate::stereo::disparity_map::px;
 
@@ -12,6 +13,10 @@ pub struct Geometry {
     pub focal_px: f64,
     /// Distance of the cameras, mm.
     pub baseline_mm: f64,
+    /// Column and row of the left camera's axis, px, where they are known.
+    pub principal: [Option<f64>; 2],
+    /// Column of the right camera's axis less that of the left one, px: added to every disparity.
+    pub doffs: f64,
     rig: Rig,
 }
 
@@ -37,9 +42,18 @@ impl Geometry {
         let focal_px_q8 = scaled("--focal-px", focal_px, 256.0)?;
         let baseline_um = scaled("--baseline-mm", baseline_mm, 1000.0)?;
         match Rig::new(focal_px_q8, baseline_um) {
-            Some(rig) => Ok(Self { focal_px, baseline_mm, rig }),
+            Some(rig) => Ok(Self { focal_px, baseline_mm, principal: [None; 2], doffs: 0.0, rig }),
             None => bail!("--focal-px {focal_px} and --baseline-mm {baseline_mm}: must be positive"),
         }
+    }
+
+    /// That of a rig description.
+    ///
+    /// # Errors
+    /// If a figure is not one the core can hold.
+    pub fn of_rig(rig: &Description) -> Result<Self> {
+        let core = rig.plan()?.rig;
+        Ok(Self { principal: rig.principal, doffs: rig.doffs, rig: core, ..Self::new(rig.focal_px, rig.baseline_mm)? })
     }
 
     /// Depth as the chip computes it, in whole mm; `None` where it is not finite.
@@ -54,16 +68,20 @@ impl Geometry {
     /// Depth of a disparity in px, m; `None` where it is not finite.
     #[must_use]
     pub fn depth_m(&self, disparity_px: f64) -> Option<f64> {
+        let disparity_px = disparity_px + self.doffs;
         (disparity_px > 0.0).then(|| self.focal_px * self.baseline_mm / disparity_px / 1000.0)
     }
 
     /// The point seen in column `x` of row `y` of frames of `size` px: m to the right, down and
-    /// forward of the left camera, whose axis goes through the middle of the frame.
+    /// forward of the left camera, whose axis goes through the middle of the frame where it is not known.
     #[must_use]
     pub fn point_m(&self, [x, y]: [usize; 2], size: [usize; 2], disparity: Disparity) -> Option<[f32; 3]> {
         let depth = self.depth_m(px(disparity.known()?))?;
-        let off_axis = |at: usize, size: usize| (at as f64 - (size as f64 - 1.0) / 2.0) * depth / self.focal_px;
-        Some([off_axis(x, size[0]) as f32, off_axis(y, size[1]) as f32, depth as f32])
+        let off_axis = |j: usize, at: usize| {
+            let axis = self.principal[j].unwrap_or((size[j] as f64 - 1.0) / 2.0);
+            (at as f64 - axis) * depth / self.focal_px
+        };
+        Some([off_axis(0, x) as f32, off_axis(1, y) as f32, depth as f32])
     }
 }
 
@@ -100,5 +118,19 @@ mod tests {
         assert_eq!(geometry.point_m([0, 0], size, Disparity::from_px(-2)), None);
         assert_eq!(geometry.point_m([0, 0], size, Disparity::UNKNOWN), None);
         assert_eq!(geometry.depth_mm(Disparity::from_px(8)), Some(1500));
+    }
+
+    #[test]
+    fn a_rigs_axis_and_doffs_move_the_point() {
+        let text = haarline_rig::with_fields(
+            &haarline_rig::template(),
+            &[("cx", "140.5".to_owned()), ("cy", "130".to_owned()), ("doffs", "5.0".to_owned())],
+        );
+        let geometry = Geometry::of_rig(&Description::parse(&text).unwrap()).unwrap();
+        let point = geometry.point_m([240, 30], [320, 240], Disparity::from_px(3)).unwrap();
+        // 12 px m / 8 px; 99.5 and -100 px of 200 from the axis.
+        assert_eq!(point, [0.746_25, -0.75, 1.5]);
+        assert_eq!(geometry.depth_mm(Disparity::from_px(3)), Some(1500));
+        assert_eq!(geometry.depth_m(-5.0), None);
     }
 }

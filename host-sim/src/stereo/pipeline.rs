@@ -3,9 +3,13 @@
 use std::time::{Duration, Instant};
 
 use anyhow::{Result, ensure};
-use haarline::{Config, DisparityRow, Offset, Paired, ScanlinePair, StereoMethod};
+use haarline::{Config, DisparityRow, Ramp, Rectified, ScanlinePair, StereoMethod};
+use haarline_rig::{Description, Plan};
 
 use crate::{DisparityMap, StereoPair};
+
+/// Rows in the ring of rectification: enough for every rig.
+pub const RECTIFY_ROWS: usize = 128;
 
 /// What a method made of a frame.
 #[derive(Debug, Clone)]
@@ -35,14 +39,45 @@ pub fn run(method: &mut dyn StereoMethod, pair: &StereoPair) -> Result<Run> {
     Ok(Run { map, elapsed })
 }
 
-/// Streams a frame of cameras that are displaced by `offset` through `method`.
+/// What is put right of a rig's frames.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Rectification {
+    /// Where the right view has the left one's rows.
+    pub ramp: Ramp,
+    /// Whole columns by which the right view shows everything too far right.
+    pub columns: i16,
+}
+
+impl Rectification {
+    /// The row of the right view, of `size` px, that shows in its column `x` what lies in row `y`.
+    #[must_use]
+    pub fn right_row(&self, [x, y]: [usize; 2], size: [usize; 2]) -> Option<usize> {
+        let twice = [0, 1].map(|j| 2 * [x, y][j] as i32 + 1 - size[j] as i32);
+        let rows = (self.ramp.displacement_q16(twice) + (1 << 15)) >> 16;
+        usize::try_from(y as i64 + i64::from(rows)).ok().filter(|&row| row < size[1])
+    }
+}
+
+impl From<&Description> for Rectification {
+    fn from(rig: &Description) -> Self {
+        Self { ramp: rig.ramp(), columns: rig.column_offset }
+    }
+}
+
+impl From<&Plan> for Rectification {
+    fn from(plan: &Plan) -> Self {
+        Self { ramp: plan.ramp, columns: plan.columns }
+    }
+}
+
+/// Streams a frame of a rig's cameras through `method`.
 ///
 /// # Errors
-/// As [`run`], or if the offset is out of its range.
-pub fn run_paired(method: &mut dyn StereoMethod, offset: Offset, pair: &StereoPair) -> Result<Run> {
-    const ROWS: usize = Offset::MAX_ROWS.unsigned_abs() as usize;
+/// As [`run`], or if the displacement is out of its range.
+pub fn run_rectified(method: &mut dyn StereoMethod, rig: &Rectification, pair: &StereoPair) -> Result<Run> {
     const WIDTH: usize = Config::MAX_WIDTH as usize;
-    run(&mut Paired::<_, ROWS, WIDTH>::new(method, offset)?, pair)
+    let height = u16::try_from(pair.height()).unwrap_or(u16::MAX);
+    run(&mut Rectified::<_, RECTIFY_ROWS, WIDTH>::new(method, height, rig.ramp, rig.columns)?, pair)
 }
 
 /// Pushes every row and collects into `map`; whether the rows came complete and in order.

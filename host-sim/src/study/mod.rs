@@ -14,6 +14,7 @@ pub mod outcome;
 pub mod page;
 pub mod plot;
 pub mod rendered;
+pub mod rigs;
 pub mod same_points;
 pub mod scaled;
 pub mod schwefel;
@@ -41,6 +42,11 @@ pub const STUDIES: &[Study] = &[
         name: "block",
         about: "Table 1: block matching against its wavelet-modified form and the other methods",
         run: block::run,
+    },
+    Study {
+        name: "rigs",
+        about: "Section 5 at work: random rigs aligned from one frame each, row offset, roll and scale",
+        run: rigs::run,
     },
 ];
 

@@ -105,9 +105,15 @@ impl Request {
         ];
         arguments.extend(self.fault.iter().map(|fault| format!("fault={fault}")));
         if let Some(plan) = &self.plan {
+            let axis_q8 = plan.rig.axis_q8([plan.config.width, plan.height]);
             arguments.extend([
-                format!("offset_rows={}", plan.offset.rows),
-                format!("offset_columns={}", plan.offset.columns),
+                format!("rows_q16={}", plan.ramp.rows_q16),
+                format!("roll_q16={}", plan.ramp.roll_q16),
+                format!("scale_q16={}", plan.ramp.scale_q16),
+                format!("columns={}", plan.columns),
+                format!("axis_x_q8={}", axis_q8[0]),
+                format!("axis_y_q8={}", axis_q8[1]),
+                format!("doffs_q8={}", plan.rig.doffs_q8()),
                 format!("focal_px_q8={}", plan.rig.focal_px_q8()),
                 format!("baseline_um={}", plan.rig.baseline_um()),
                 format!("camera_height_mm={}", plan.camera_height_mm),

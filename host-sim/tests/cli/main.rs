@@ -7,6 +7,7 @@
     reason = "Samples of small images, in range by construction."
 )]
 
+mod align;
 mod bad_input;
 mod bench;
 mod cases;
@@ -20,6 +21,7 @@ mod play;
 mod receive;
 mod record;
 mod rig;
+mod rig_import;
 mod scene;
 mod study;
 mod tool;

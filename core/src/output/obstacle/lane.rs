@@ -35,6 +35,10 @@ impl Camera {
         Ok(Self { width, height, rig, mounting })
     }
 
+    pub(super) const fn rig(&self) -> &Rig {
+        &self.rig
+    }
+
     pub(super) fn width(&self) -> usize {
         self.width.into()
     }
@@ -45,10 +49,11 @@ impl Camera {
         let Mounting { height_mm, sin_pitch_q14, cos_pitch_q14, lowest_mm, highest_mm } = self.mounting;
         let (sin, cos) = (i64::from(sin_pitch_q14), i64::from(cos_pitch_q14));
         let focal = i64::from(self.rig.focal_px_q8());
-        // Half pixels below the middle, below 2^13: 1 / 2 is 128 / 2^8. The products are below 2^36.
-        let below = 2 * i64::from(y) - (i64::from(self.height) - 1);
-        let rise_q22 = focal * sin - below * cos * 128;
-        let ahead_q22 = focal * cos + below * sin * 128;
+        // 1/256 px below the axis, below 2^23. The products are below 2^37.
+        let [column_q8, row_q8] = self.rig.axis_q8([self.width, self.height]).map(i64::from);
+        let below_q8 = (i64::from(y) << 8) - row_q8;
+        let rise_q22 = focal * sin - below_q8 * cos;
+        let ahead_q22 = focal * cos + below_q8 * sin;
         if ahead_q22 <= 0 {
             return None;
         }
@@ -57,7 +62,7 @@ impl Camera {
         let above_lowest = at_least(lowest_mm - height_mm, rise, i64::from(doubt));
         let below_highest = at_least(height_mm - highest_mm, -rise, 0);
         Some(Lane {
-            width: i64::from(self.width),
+            twice_middle: (column_q8 + 64) >> 7,
             least: above_lowest.0.max(below_highest.0),
             most: above_lowest.1.min(below_highest.1),
             ahead_q22,
@@ -85,7 +90,8 @@ fn at_least(mm: i32, rise: i64, doubt: i64) -> (i64, i64) {
 /// What a row sees.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Lane {
-    width: i64,
+    /// Twice the column of the axis.
+    twice_middle: i64,
     /// Disparities within the band of heights, 1/16 px.
     least: i64,
     most: i64,
@@ -142,7 +148,7 @@ impl<'a> Directions<'a> {
     /// The sector in which the middle of `column` lies; none is outside of all. Each column must lie right of
     /// the one before.
     pub(super) fn sector_of<const N: usize>(&mut self, column: usize, sectors: &Sectors<N>) -> Option<usize> {
-        let at = 2 * i64::try_from(column).ok()? - (self.lane.width - 1);
+        let at = 2 * i64::try_from(column).ok()? - self.lane.twice_middle;
         let left = sectors.left_q16.first()?;
         if at < self.lane.column_of(*left) {
             return None;

@@ -292,6 +292,7 @@ impl<const SECTORS: usize, const BLOCKS: usize> Obstacles<SECTORS, BLOCKS> {
             let Some((disparity, &confidence)) = samples.next() else { break };
             let above = self.chains.get(index).copied().unwrap_or(Chain::NONE);
             let above_right = self.chains.get(index + 1).copied().unwrap_or(Chain::NONE);
+            let disparity = self.camera.rig().without_doffs(*disparity);
             let bits = disparity.known().filter(|&bits| confidence >= self.settings.min_confidence && lane.holds(bits));
             let chain = bits.map_or(Chain::NONE, |bits| {
                 Chain::grow(bits, left, [above_left, above, above_right], self.settings.tolerance)

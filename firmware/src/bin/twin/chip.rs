@@ -6,7 +6,7 @@ use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use embassy_sync::zerocopy_channel::Channel;
 use embassy_time::Duration;
 use haarline::obstacle::MAX_SECTORS;
-use haarline::{Offset, Paired, Setup, StereoMethod, Wiring, blocks_for};
+use haarline::{Rectified, Setup, StereoMethod, Wiring, blocks_for};
 use haarline_firmware::capture::Patience;
 use haarline_firmware::lookout::Lookout;
 use haarline_firmware::ring::{From, MAX_WIDTH, RAW_ROWS, RESULT_ROWS, RawRow, ResultRow, SharedCounters, To};
@@ -23,8 +23,8 @@ use crate::{file, methods, obstacles, time};
 
 /// A camera that delivers nothing for so long is silent: three frames at 30 a second.
 pub const PATIENCE: Patience = Patience { within: Duration::from_millis(100), between: Duration::from_millis(100) };
-/// The method behind the rig's offset.
-type Behind = Paired<&'static mut dyn StereoMethod, { Offset::MAX_ROWS.unsigned_abs() as usize }, MAX_WIDTH>;
+/// The method behind rectification, with rows for every rig whose views fit.
+type Behind = Rectified<&'static mut dyn StereoMethod, 64, MAX_WIDTH>;
 
 /// What happened to the camera's frames.
 pub static COUNTERS: SharedCounters = SharedCounters::new();
@@ -80,7 +80,8 @@ fn start() -> Result<Parts, &'static str> {
     let method = methods::build(&options, clock)?;
     let (method, watch): (&'static mut dyn StereoMethod, _) = match &options.plan {
         Some(plan) => {
-            let behind = Paired::new(method, plan.offset).map_err(|_| "the rig's offset is out of range")?;
+            let behind = Rectified::new(method, plan.height, plan.ramp, plan.columns);
+            let behind = behind.map_err(|_| "the rig's offset is out of range, or needs more than 64 rows")?;
             let setup = plan.setup().ok_or("the rig has too many sectors")?;
             (BEHIND.init(behind), Some(Watch { setup, file: file::create(file::OBSTACLES)? }))
         }

@@ -2,7 +2,7 @@
 
 use haarline::setup::Reach;
 use haarline::wiring::{First, Kind, Skew};
-use haarline::{Config, Offset, Rig, Wiring};
+use haarline::{Config, Ramp, Rig, Wiring};
 use haarline_firmware::ring::{MAX_RAW, MAX_WIDTH};
 use haarline_rig::Plan;
 
@@ -95,9 +95,14 @@ struct RigFigures {
 
 impl RigFigures {
     /// The pitch, a float, comes as its bits, so that it is the host's to the last one.
-    const NAMES: [&'static str; 11] = [
-        "offset_rows",
-        "offset_columns",
+    const NAMES: [&'static str; 16] = [
+        "rows_q16",
+        "roll_q16",
+        "scale_q16",
+        "columns",
+        "axis_x_q8",
+        "axis_y_q8",
+        "doffs_q8",
         "focal_px_q8",
         "baseline_um",
         "camera_height_mm",
@@ -123,8 +128,24 @@ impl RigFigures {
         if self.told != Self::NAMES.len() {
             return Err("of the rig's figures some are missing");
         }
-        let [rows, columns, focal, baseline, camera_height_mm, pitch, lowest_mm, highest_mm, sectors, degrees, first] =
-            self.figures;
+        let [
+            rows_q16,
+            roll_q16,
+            scale_q16,
+            columns,
+            axis_x,
+            axis_y,
+            doffs,
+            focal,
+            baseline,
+            camera_height_mm,
+            pitch,
+            lowest_mm,
+            highest_mm,
+            sectors,
+            degrees,
+            first,
+        ] = self.figures;
         let plan = || {
             Some(Plan {
                 config: options.config,
@@ -132,8 +153,10 @@ impl RigFigures {
                 wiring: options.wiring,
                 frame_rate_hz: 1,
                 exposure_lines: None,
-                offset: Offset { rows: rows.try_into().ok()?, columns: columns.try_into().ok()? },
-                rig: Rig::new(focal.try_into().ok()?, baseline.try_into().ok()?)?,
+                ramp: Ramp { rows_q16, roll_q16, scale_q16 },
+                columns: columns.try_into().ok()?,
+                rig: Rig::new(focal.try_into().ok()?, baseline.try_into().ok()?)?
+                    .with_axes(Some([axis_x, axis_y]), doffs),
                 camera_height_mm,
                 pitch_deg: f32::from_bits(pitch.cast_unsigned()),
                 lowest_mm,

@@ -1,4 +1,6 @@
-//! `haarline rig`: writes and shows rig descriptions.
+//! `haarline rig`: writes, imports and shows rig descriptions.
+
+mod import;
 
 use std::path::{Path, PathBuf};
 
@@ -25,6 +27,9 @@ enum Command {
         #[arg(value_name = "FILE")]
         file: PathBuf,
     },
+    /// Makes a description of calibration files: OpenCV's (YAML, XML, JSON), ROS camera_info, Kalibr, EuRoC, Middlebury,
+    /// KITTI
+    Import(import::Args),
     /// Shows a description and what follows from it: depths, their resolution, the field of view
     Show {
         /// The description
@@ -40,6 +45,7 @@ impl Args {
     pub(super) fn run(self) -> Result<()> {
         match self.command {
             Command::New { file } => write_new(&file),
+            Command::Import(args) => args.run(),
             Command::Show { file, json } => {
                 let description = rig_file::read(&file)?;
                 let derived = Derived::of(&description);
@@ -77,8 +83,22 @@ fn rows(rig: &Description) -> Vec<(String, String)> {
         ("wiring", wiring),
         ("size of a view", format!("{} x {} px", rig.width, rig.height)),
         ("frame rate on a board", format!("{} a second, {exposure}", rig.frame_rate_hz)),
-        ("right view displaced by", format!("{} rows, {} columns", rig.offset.rows, rig.offset.columns)),
+        (
+            "right view displaced by",
+            format!(
+                "{} rows, {} columns, roll {} degrees, scale {} %: {} rows wait in a ring",
+                rig.row_offset,
+                rig.column_offset,
+                rig.roll_deg,
+                rig.scale_percent,
+                rig.plan().map_or(0, |plan| plan.waiting_rows())
+            ),
+        ),
         ("focal length", format!("{} px", rig.focal_px)),
+        (
+            "left camera's axis",
+            format!("{} px across, {} px down, doffs {} px", rig.middle()[0], rig.middle()[1], rig.doffs),
+        ),
         ("baseline", format!("{} mm", rig.baseline_mm)),
         ("search", format!("{} to {} px", rig.min_disparity, rig.max_disparity())),
         ("camera", format!("{} mm over the ground, pitch {} degrees", rig.camera_height_mm, rig.pitch_deg)),
@@ -116,8 +136,13 @@ fn to_json(rig: &Description, derived: &Derived) -> String {
         "height": rig.height,
         "frame_rate_hz": rig.frame_rate_hz,
         "exposure_lines": rig.exposure_lines,
-        "row_offset": rig.offset.rows,
-        "column_offset": rig.offset.columns,
+        "row_offset": rig.row_offset,
+        "roll_deg": rig.roll_deg,
+        "scale_percent": rig.scale_percent,
+        "column_offset": rig.column_offset,
+        "cx": rig.middle()[0],
+        "cy": rig.middle()[1],
+        "doffs": rig.doffs,
         "focal_px": rig.focal_px,
         "baseline_mm": rig.baseline_mm,
         "min_disparity": rig.min_disparity,

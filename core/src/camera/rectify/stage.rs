@@ -1,0 +1,387 @@
+//! The stage: rows as they come in, rectified pairs out, a bounded ring of rows in between.
+
+use super::{Offset, Ramp};
+use crate::{ConfigError, RowError, ScanlinePair};
+
+/// Fraction bits of a place.
+const FRAC_BITS: u32 = 16;
+/// Columns that share an interpolation weight.
+const RUN: usize = 4;
+
+/// A row that comes out of rectification.
+#[derive(Debug, Clone, Copy)]
+pub struct RectifiedRow<'a> {
+    /// Which row of the left view it is, from 0.
+    pub y: u32,
+    /// The rectified pair; `None` where a row that it needs was lost or lies outside of the right view.
+    pub pair: Option<ScanlinePair<'a>>,
+    /// The rows as they came that lie in the middle of it: noise and exposure are measured on these, since
+    /// interpolation takes noise away. `None` where one of them was lost.
+    pub raw: Option<ScanlinePair<'a>>,
+}
+
+/// Brings the rows of two displaced cameras together: offset, roll and scale by a [`Ramp`], and whole columns.
+///
+/// Rows are those of the left view, which is left as it is; the right view is interpolated between two rows, with
+/// one weight for four columns. Where a corner of a row lies outside of the right view, that view's first or
+/// last row stands there; a row whose middle does is missed.
+///
+/// `ROWS` is the capacity for the rows of both views together that wait ([`Ramp::rows_needed`]), at most 64 a
+/// view; `WIDTH` the greatest width, px. It holds `WIDTH * (ROWS + 1)` bytes. A row comes out
+/// [`Rectifier::waiting_rows`] rows after it came.
+///
+/// # Examples
+/// ```
+/// use haarline::rectify::{Ramp, Rectifier};
+/// use haarline::ScanlinePair;
+/// let half_a_row = Ramp { rows_q16: 1 << 15, ..Ramp::default() };
+/// let mut rectifier = Rectifier::<8, 64>::new([64, 3], half_a_row, 0)?;
+/// let mut right = vec![];
+/// for y in [10, 20, 30] {
+///     let pair = ScanlinePair { left: &[y; 64], right: &[y; 64] };
+///     rectifier.push(pair, &mut |row| right.extend(row.pair.map(|pair| pair.right[0]))).unwrap();
+/// }
+/// rectifier.finish(&mut |row| right.extend(row.pair.map(|pair| pair.right[0])));
+/// assert_eq!(right, [15, 25]); // half a row below the last one there is nothing
+/// # Ok::<(), haarline::ConfigError>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct Rectifier<const ROWS: usize, const WIDTH: usize> {
+    size: [u16; 2],
+    ramp: Ramp,
+    columns: i16,
+    /// Rows that an answer waits, and how many of each view the ring holds.
+    waits: usize,
+    left: Ring,
+    right: Ring,
+    rows: [[u8; WIDTH]; ROWS],
+    /// The rectified row of the right view.
+    out: [u8; WIDTH],
+    /// Rows of this frame that came or were missed.
+    came: u32,
+}
+
+/// A view's part of the ring.
+#[derive(Debug, Clone, Copy)]
+struct Ring {
+    first: usize,
+    len: usize,
+    /// Which of the places hold a row, a bit each.
+    present: u64,
+}
+
+impl Ring {
+    const fn place(&self, y: u32) -> usize {
+        y as usize % self.len
+    }
+
+    /// Puts in a row, or nothing where it was lost.
+    fn set(&mut self, y: u32, is_there: bool) {
+        let bit = 1 << self.place(y);
+        self.present = if is_there { self.present | bit } else { self.present & !bit };
+    }
+
+    const fn has(&self, y: u32) -> bool {
+        self.present >> self.place(y) & 1 == 1
+    }
+
+    fn row<'a, const WIDTH: usize>(&self, rows: &'a [[u8; WIDTH]], y: u32, width: usize) -> &'a [u8] {
+        rows.get(self.first + self.place(y)).and_then(|row| row.get(..width)).unwrap_or(&[])
+    }
+}
+
+/// Whole rows that a place in 1/65536 px reaches to.
+const fn floor(q16: i32) -> i32 {
+    q16 >> FRAC_BITS
+}
+
+const fn ceil(q16: i32) -> i32 {
+    -((-q16) >> FRAC_BITS)
+}
+
+impl<const ROWS: usize, const WIDTH: usize> Rectifier<ROWS, WIDTH> {
+    /// For views of `size` px whose right one is displaced by `ramp`, and by `columns` whole columns to the right.
+    ///
+    /// # Errors
+    /// If the width is over the capacity, a figure is out of its range, or more rows must wait than the ring holds.
+    pub fn new(size: [u16; 2], ramp: Ramp, columns: i16) -> Result<Self, ConfigError> {
+        if usize::from(size[0]) > WIDTH {
+            return Err(ConfigError::Capacity { max_width: u16::try_from(WIDTH).unwrap_or(u16::MAX) });
+        }
+        if !ramp.is_valid() {
+            return Err(ConfigError::RowOffset { max_rows: Offset::MAX_ROWS.unsigned_abs() });
+        }
+        if columns.unsigned_abs() > Offset::MAX_COLUMNS.unsigned_abs() {
+            return Err(ConfigError::ColumnOffset);
+        }
+        let [left, right] = ramp.rows_of_views(size);
+        if left + right > ROWS || left.max(right) > 64 {
+            let count = |rows: usize| u16::try_from(rows).unwrap_or(u16::MAX);
+            return Err(ConfigError::RingRows { needed: count(left + right), rows: count(ROWS) });
+        }
+        Ok(Self {
+            size,
+            ramp,
+            columns,
+            waits: left - 1,
+            left: Ring { first: 0, len: left, present: 0 },
+            right: Ring { first: left, len: right, present: 0 },
+            rows: [[0; WIDTH]; ROWS],
+            out: [0; WIDTH],
+            came: 0,
+        })
+    }
+
+    /// So many rows after a row came it comes out.
+    #[must_use]
+    pub const fn waiting_rows(&self) -> usize {
+        self.waits
+    }
+
+    /// Begins a frame.
+    pub fn start(&mut self) {
+        (self.came, self.left.present, self.right.present) = (0, 0, 0);
+    }
+
+    /// Takes the next rows of both cameras.
+    ///
+    /// # Errors
+    /// If they have another width than configured; they do not count then.
+    pub fn push(&mut self, pair: ScanlinePair<'_>, sink: &mut dyn FnMut(RectifiedRow<'_>)) -> Result<(), RowError> {
+        pair.check(self.size[0])?;
+        for (ring, row) in [(&mut self.left, pair.left), (&mut self.right, pair.right)] {
+            ring.set(self.came, true);
+            let place = self.rows.get_mut(ring.first + ring.place(self.came));
+            if let Some(place) = place.and_then(|place| place.get_mut(..row.len())) {
+                place.copy_from_slice(row);
+            }
+        }
+        self.advance(sink);
+        Ok(())
+    }
+
+    /// The next rows were lost.
+    pub fn miss(&mut self, sink: &mut dyn FnMut(RectifiedRow<'_>)) {
+        self.left.set(self.came, false);
+        self.right.set(self.came, false);
+        self.advance(sink);
+    }
+
+    /// Ends the frame: the rows that wait come out.
+    pub fn finish(&mut self, sink: &mut dyn FnMut(RectifiedRow<'_>)) {
+        let waits = u32::try_from(self.waits).unwrap_or(u32::MAX);
+        for y in self.came.saturating_sub(waits)..self.came {
+            self.emit(y, sink);
+        }
+        self.start();
+    }
+
+    fn advance(&mut self, sink: &mut dyn FnMut(RectifiedRow<'_>)) {
+        self.came += 1;
+        let ready = usize::try_from(self.came).unwrap_or(usize::MAX).checked_sub(self.waits + 1);
+        if let Some(y) = ready.and_then(|y| u32::try_from(y).ok()) {
+            self.emit(y, sink);
+        }
+    }
+
+    fn emit(&mut self, y: u32, sink: &mut dyn FnMut(RectifiedRow<'_>)) {
+        let width = usize::from(self.size[0]);
+        let middle = self.place_q16(0, y);
+        let nearest = self.in_view(floor(middle + (1 << (FRAC_BITS - 1))));
+        let has_pair = self.left.has(y) && nearest.is_some() && self.interpolate(y);
+        let left = self.left.row(&self.rows, y, width);
+        let raw = nearest.filter(|&nearest| self.left.has(y) && self.right.has(nearest));
+        let raw = raw.map(|nearest| ScanlinePair { left, right: self.right.row(&self.rows, nearest, width) });
+        let pair = has_pair.then(|| ScanlinePair { left, right: self.out.get(..width).unwrap_or(&[]) });
+        sink(RectifiedRow { y, pair, raw });
+    }
+
+    /// Where the right view has that row, 1/65536 px, at twice that distance from its middle column.
+    fn place_q16(&self, twice_x: i32, y: u32) -> i32 {
+        let y = i32::try_from(y).unwrap_or(0);
+        (y << FRAC_BITS) + self.ramp.displacement_q16([twice_x, 2 * y + 1 - i32::from(self.size[1])])
+    }
+
+    /// The row, if it is one of those that came.
+    fn in_view(&self, row: i32) -> Option<u32> {
+        u32::try_from(row).ok().filter(|&row| row < self.came)
+    }
+
+    /// Makes a row of the right view; whether all that it needs was there.
+    fn interpolate(&mut self, y: u32) -> bool {
+        let last = i32::try_from(self.came).unwrap_or(i32::MAX) - 1;
+        let edge = i32::from(self.size[0]) - 1;
+        let ends = [self.place_q16(-edge, y), self.place_q16(edge, y)];
+        let clamp = |row: i32| u32::try_from(row.clamp(0, last)).unwrap_or(0);
+        let reach = clamp(floor(ends[0].min(ends[1])))..=clamp(ceil(ends[0].max(ends[1])));
+        if !reach.into_iter().all(|row| self.right.has(row)) {
+            return false;
+        }
+        let width = usize::from(self.size[0]);
+        let mut place = self.place_q16(3 - edge, y);
+        let step = self.ramp.roll_q16 * 4;
+        let (rows, right) = (&self.rows, &self.right);
+        let Some(out) = self.out.get_mut(..width) else { return false };
+        let row = |row: i32| right.row(rows, clamp(row), width);
+        // The two rows that the runs lie between, as long as these stay the same.
+        let mut at = floor(place);
+        let (mut above, mut below) = (row(at), row(at + 1));
+        let (runs, rest) = out.as_chunks_mut::<RUN>();
+        let mut x = 0;
+        for run in runs {
+            if floor(place) != at {
+                at = floor(place);
+                (above, below) = (row(at), row(at + 1));
+            }
+            if let (Some(above), Some(below)) = (four(above, x), four(below, x)) {
+                *run = mix_four(*above, *below, (place >> 8 & 255).unsigned_abs());
+            }
+            x += RUN;
+            place += step;
+        }
+        let last = |row: &'_ [u8]| {
+            row.get(x..).map_or([0; RUN], |rest| core::array::from_fn(|i| rest.get(i).copied().unwrap_or(0)))
+        };
+        let mixed = mix_four(last(row(floor(place))), last(row(floor(place) + 1)), (place >> 8 & 255).unsigned_abs());
+        rest.iter_mut().zip(mixed).for_each(|(pixel, mixed)| *pixel = mixed);
+        shift(out, self.columns);
+        true
+    }
+}
+
+/// Four pixels each of two rows mixed, `weight` / 256 of the lower one: two pixels in the lanes of a word at once.
+const fn mix_four(above: [u8; RUN], below: [u8; RUN], weight: u32) -> [u8; RUN] {
+    const LANES: u32 = 0x00FF_00FF;
+    const HALF: u32 = 0x0080_0080;
+    let (above, below) = (u32::from_le_bytes(above), u32::from_le_bytes(below));
+    // A lane is at most 255 * 256 + 128, below 2^16.
+    let even = (above & LANES) * (256 - weight) + (below & LANES) * weight + HALF;
+    let odd = (above >> 8 & LANES) * (256 - weight) + (below >> 8 & LANES) * weight + HALF;
+    (even >> 8 & LANES | odd & !LANES).to_le_bytes()
+}
+
+/// The four pixels of a row from `x` on.
+fn four(row: &[u8], x: usize) -> Option<&[u8; RUN]> {
+    row.get(x..x + RUN)?.first_chunk()
+}
+
+/// Moves a row left by `columns`, its border pixels repeated.
+fn shift(row: &mut [u8], columns: i16) {
+    let by = usize::from(columns.unsigned_abs()).min(row.len());
+    let (first, last) = (row.first().copied().unwrap_or(0), row.last().copied().unwrap_or(0));
+    let kept = row.len() - by;
+    match columns {
+        1.. => {
+            row.copy_within(by.., 0);
+            row.iter_mut().skip(kept).for_each(|pixel| *pixel = last);
+        }
+        0 => {}
+        _ => {
+            row.copy_within(..kept, by);
+            row.iter_mut().take(by).for_each(|pixel| *pixel = first);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+
+    use super::*;
+    use proptest::prelude::*;
+    use std::vec::Vec;
+
+    const WIDTH: u16 = 40;
+
+    /// A row's pixels as a float picture of that row has them: any function of place, linear in y.
+    fn pixel(x: i32, y: f64) -> f64 {
+        40.0 + f64::from(x % 7) + 3.0 * y
+    }
+
+    fn play(ramp: Ramp, columns: i16, height: u16, lost: &[u16]) -> Vec<(u32, Option<Vec<u8>>, Option<u8>)> {
+        let mut rectifier = Rectifier::<80, 48>::new([WIDTH, height], ramp, columns).unwrap();
+        let mut rows = Vec::new();
+        let mut note = |row: RectifiedRow<'_>| {
+            rows.push((row.y, row.pair.map(|pair| pair.right.to_vec()), row.raw.map(|raw| raw.right[0])));
+        };
+        rectifier.start();
+        for y in 0..height {
+            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "rounded, in range")]
+            let row: Vec<u8> = (0..i32::from(WIDTH)).map(|x| pixel(x, f64::from(y)).round() as u8).collect();
+            if lost.contains(&y) {
+                rectifier.miss(&mut note);
+            } else {
+                rectifier.push(ScanlinePair { left: &row, right: &row }, &mut note).unwrap();
+            }
+        }
+        rectifier.finish(&mut note);
+        rows
+    }
+
+    proptest! {
+        #[test]
+        fn every_row_comes_out_once_and_shows_what_the_ramp_says(
+            rows_q16 in -(12 << 16)..12 << 16, roll_q16 in -3000..3000, scale_q16 in -2000..2000,
+        ) {
+            let (ramp, height) = (Ramp { rows_q16, roll_q16, scale_q16 }, 44);
+            let rows = play(ramp, 0, height, &[]);
+            prop_assert!(rows.iter().map(|row| row.0).eq(0..u32::from(height)));
+            for (y, right, _) in rows {
+                let twice_y = 2 * i32::try_from(y).unwrap() + 1 - i32::from(height);
+                let place = |x: i32| {
+                    let twice_x = 2 * x + 1 - i32::from(WIDTH);
+                    f64::from(y) + f64::from(ramp.displacement_q16([twice_x, twice_y])) / 65_536.0
+                };
+                let last = f64::from(height) - 1.0;
+                let middle = (place(19) + place(20)) / 2.0;
+                prop_assert!(right.is_some() || middle < 0.0 || middle > last, "row {y}: {middle}");
+                for (x, found) in (0..).zip(right.unwrap_or_default()) {
+                    let wanted = pixel(x, place(x).clamp(0.0, last));
+                    // One weight for four columns: up to 1.5 columns of roll, and two roundings.
+                    let most = 1.5 * f64::from(roll_q16.abs()) / 65_536.0 * 3.0 + 1.1;
+                    prop_assert!((f64::from(found) - wanted).abs() <= most, "{x}, {y}: {found}, {wanted}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_lost_row_takes_those_that_need_it() {
+        let half = Ramp { rows_q16: 3 << 15, ..Ramp::default() };
+        let rows = play(half, 0, 12, &[5]);
+        let missed: Vec<u32> = rows.iter().filter(|row| row.1.is_none()).map(|row| row.0).collect();
+        // Rows 3 and 4 need right row 5, row 5 has no left one; what the last two show lies outside.
+        assert_eq!(missed, [3, 4, 5, 10, 11]);
+        assert_eq!(rows[0].2, Some(46), "the raw row in the middle");
+    }
+
+    #[test]
+    fn whole_offsets_copy_rows_and_columns() {
+        for (rows, columns) in [(3, 0), (-3, 2), (0, -5)] {
+            for (y, right, raw) in play(Ramp::whole(rows), columns, 10, &[]) {
+                let source = i64::from(y) + i64::from(rows);
+                let Some(right) = right else {
+                    assert!(!(0..10).contains(&source) && raw.is_none());
+                    continue;
+                };
+                for (x, found) in (0..).zip(right) {
+                    let column = (x + i32::from(columns)).clamp(0, i32::from(WIDTH) - 1);
+                    assert_eq!(f64::from(found), pixel(column, f64::from(i32::try_from(source).unwrap())));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn what_does_not_fit_is_refused_with_the_rows_needed() {
+        let new = |ramp| Rectifier::<20, 48>::new([WIDTH, 30], ramp, 0).map(|stage| stage.waiting_rows());
+        assert_eq!(new(Ramp::whole(9)), Ok(9));
+        assert_eq!(new(Ramp::whole(-18 + 8)), Ok(0));
+        let steep = Ramp { rows_q16: 12 << 16, roll_q16: 6554, scale_q16: 0 };
+        assert_eq!(new(steep), Ok(14));
+        let wide = Ramp { scale_q16: 6554, ..steep };
+        let needed = wide.rows_needed([WIDTH, 30]);
+        assert_eq!(new(wide), Err(ConfigError::RingRows { needed: u16::try_from(needed).unwrap(), rows: 20 }));
+        assert_eq!(new(Ramp { roll_q16: 7000, ..steep }), Err(ConfigError::RowOffset { max_rows: 16 }));
+    }
+}

@@ -1,0 +1,297 @@
+//! `haarline align`: row offset, roll and scale of a rig from its own frames.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail, ensure};
+use haarline::align::{Estimate, Order, Verdict};
+use serde::Serialize;
+
+use super::shared::{LayoutKind, WiringArgs, layout, progress, warn_skipped};
+use super::{Finding, print, whole_number};
+use crate::StereoPair;
+use crate::input::raw_dump::{RawFormat, ViewSize};
+use crate::input::recording::{FrameRange, RecordedFrame, find_frames, find_raw_frames};
+use crate::output;
+use crate::rig::align::{self, Displacement};
+use crate::rig::align_picture;
+use crate::rig::description_file::{DescriptionFile, Field};
+
+/// Frames that are looked at without --frames and --every, spread over the recording.
+const USUAL_FRAMES: usize = 40;
+
+/// Arguments of `haarline align`.
+#[derive(Debug, clap::Args)]
+pub(super) struct Args {
+    /// Folder with the folders left and right; or folder of images with both views (--layout side-by-side); or a
+    /// file with the bytes a camera port stored (--raw). Ordinary frames of textured surroundings do
+    recording: PathBuf,
+    /// Writes a rig description with what was found; one that is there is changed only with --update
+    #[arg(short, long = "output", value_name = "RIG.toml")]
+    output: Option<PathBuf>,
+    /// Changes the description of -o, which must be there; the previous one is kept as RIG.toml.bak
+    #[arg(long, requires = "output")]
+    update: bool,
+    /// Picture of both views with rows drawn through them, as they came above and aligned below
+    #[arg(long, value_name = "FILE.png")]
+    picture: Option<PathBuf>,
+    /// How the views are stored
+    #[arg(long, value_enum, default_value_t = LayoutKind::Auto, conflicts_with = "raw")]
+    layout: LayoutKind,
+    /// The recording is a raw dump; the size is that of one view, px
+    #[arg(long, value_name = "WIDTHxHEIGHT")]
+    raw: Option<ViewSize>,
+    #[command(flatten)]
+    wiring: WiringArgs,
+    /// Only these frames, counted from 0 in the order of their names: A..B without B, A.. or ..B
+    #[arg(long, value_name = "A..B", allow_hyphen_values = true)]
+    frames: Option<FrameRange>,
+    /// Only every K-th of them [default: so that at most 40 are left]
+    #[arg(long, value_name = "K", allow_hyphen_values = true, value_parser = whole_number)]
+    every: Option<i64>,
+    /// Prints everything as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// What is told.
+#[derive(Debug, Serialize)]
+struct Summary {
+    verdict: &'static str,
+    order: &'static str,
+    frames: usize,
+    damaged: usize,
+    row_offset: f64,
+    roll_deg: f64,
+    scale_percent: f64,
+    /// Standard errors of the three.
+    errors: [f64; 3],
+    contrast_percent: u32,
+    /// Standard error of the row offset that one such frame has, px.
+    frame_error: f64,
+    median_disparity: i16,
+    ground_percent: i8,
+    disparities: [i16; 2],
+    evaluations: u32,
+}
+
+impl Args {
+    pub(super) fn run(self) -> Result<()> {
+        let step = self.every.map(|every| {
+            let step = usize::try_from(every).ok().filter(|&step| step > 0);
+            step.with_context(|| format!("--every {every}: must be 1 or more"))
+        });
+        let step = step.transpose()?;
+        if let Some(path) = &self.picture {
+            output::check_png_name("--picture", path)?;
+            output::check_writable("--picture", path)?;
+        }
+        self.check_names()?;
+        let file = self.output.as_deref().map(|path| DescriptionFile::open("-o", path, self.update)).transpose()?;
+        let frames = self.choose(step)?;
+        let (frames, damaged, middle) = readable(frames)?;
+        let bar = progress(align::steps(frames.len()), "frames")?;
+        let estimate = align::align_all([middle.width(), middle.height()], |see| {
+            for frame in &frames {
+                see(&frame.read()?).with_context(|| frame.file.clone())?;
+                bar.inc(1);
+            }
+            Ok(())
+        });
+        bar.finish_and_clear();
+        let estimate = estimate?;
+        let found = Displacement::from(&estimate.ramp);
+        let summary = Summary::new(&estimate, &found, frames.len(), damaged);
+        if let Some(path) = self.picture.as_ref().filter(|_| estimate.ramp.is_valid()) {
+            output::write(path, &align_picture::encode(&middle, estimate.ramp)?)?;
+        }
+        let refused = refusal(&estimate);
+        let mut text = summary.text();
+        if let (Some(file), None) = (&file, &refused) {
+            let changes = file.write(&fields(&found, &estimate, &middle, file.description().is_none()))?;
+            text += &self.written(&changes);
+        }
+        print(&if self.json { serde_json::to_string(&summary)? + "\n" } else { text })?;
+        match refused {
+            Some(words) => Err(Finding(words).into()),
+            None => Ok(()),
+        }
+    }
+
+    /// Refuses names among the frames: a picture would be a frame of the next run.
+    fn check_names(&self) -> Result<()> {
+        let named = [("-o", &self.output), ("--picture", &self.picture)];
+        for (option, path) in named.into_iter().filter_map(|(option, path)| Some((option, path.as_deref()?))) {
+            let folders = ["", "left", "right"].map(|name| self.recording.join(name));
+            let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty());
+            let parent = parent.unwrap_or_else(|| Path::new("."));
+            let is_among = option == "--picture" && folders.iter().any(|folder| output::is_same_file(folder, parent));
+            ensure!(
+                !is_among && !output::is_same_file(path, &self.recording),
+                "{option} {}: lies in the recording, give another name",
+                path.display()
+            );
+        }
+        Ok(())
+    }
+
+    fn choose(&self, step: Option<usize>) -> Result<Vec<RecordedFrame>> {
+        let frames = match self.raw {
+            Some(size) => {
+                let wiring = self.wiring.get_required()?;
+                find_raw_frames(&self.recording, RawFormat { size, wiring })?
+            }
+            None => {
+                ensure!(self.wiring.get()?.is_none(), "--wiring: is for raw dumps, add --raw WIDTHxHEIGHT");
+                ensure!(
+                    self.layout.has_both() || self.wiring.first.is_none(),
+                    "--first: is for frames with both views, add --layout side-by-side or top-bottom"
+                );
+                find_frames(&self.recording, layout(self.layout, self.wiring.first)?)?
+            }
+        };
+        let recorded = frames.len();
+        let range = self.frames.unwrap_or_default();
+        let chosen = range.choose(frames, 1);
+        ensure!(
+            !chosen.is_empty(),
+            "--frames {range}: the recording has {recorded} frames only, counted from 0: the last one is {}",
+            recorded - 1
+        );
+        let step = step.unwrap_or_else(|| if self.frames.is_some() { 1 } else { chosen.len().div_ceil(USUAL_FRAMES) });
+        Ok(chosen.into_iter().step_by(step).collect())
+    }
+
+    fn written(&self, changes: &[String]) -> String {
+        let name = self.output.as_deref().unwrap_or_else(|| Path::new("")).display();
+        let changed = if changes.is_empty() { "nothing changed".to_owned() } else { changes.join("; ") };
+        if self.update {
+            format!("in {name} (before: {name}.bak): {changed}\n")
+        } else {
+            format!("in {name}: {changed}; focal_px, baseline_mm and the mounting are examples still: fill them in\n")
+        }
+    }
+}
+
+/// The frames that can be read, how many others there are, and the middle one of them; a damaged one is told.
+fn readable(frames: Vec<RecordedFrame>) -> Result<(Vec<RecordedFrame>, usize, StereoPair)> {
+    let recorded = frames.len();
+    let mut last_error = None;
+    let is_readable = |frame: &RecordedFrame| match frame.read() {
+        Ok(_) => true,
+        Err(error) => {
+            warn_skipped(frame.index, &format!("{error:#}"));
+            last_error = Some(error);
+            false
+        }
+    };
+    let frames: Vec<RecordedFrame> = frames.into_iter().filter(is_readable).collect();
+    match (frames.get(frames.len() / 2), last_error) {
+        (Some(frame), _) => {
+            let middle = frame.read()?;
+            let damaged = recorded - frames.len();
+            Ok((frames, damaged, middle))
+        }
+        (None, Some(error)) => Err(error.context("no frame can be read")),
+        (None, None) => bail!("there is no frame"),
+    }
+}
+
+/// The fields of a description that tell what was found; a new one has the views' size, too.
+fn fields(found: &Displacement, estimate: &Estimate, pair: &StereoPair, is_new: bool) -> Vec<Field> {
+    let mut fields = vec![
+        ("row_offset", format!("{:.3}", found.rows)),
+        ("roll_deg", format!("{:.3}", found.roll_deg)),
+        ("scale_percent", format!("{:.3}", found.scale_percent)),
+    ];
+    if is_new {
+        let [least, most] = estimate.disparities.map(i32::from);
+        let least = least.min(0).clamp(-128, 0);
+        let count = ((most - least + 16) / 16 * 16).clamp(16, (pair.width() as i32).min(256));
+        fields.extend([
+            ("width", pair.width().to_string()),
+            ("height", pair.height().to_string()),
+            ("min_disparity", least.to_string()),
+            ("num_disparities", count.to_string()),
+        ]);
+    }
+    fields
+}
+
+/// Why nothing is written, if so.
+fn refusal(estimate: &Estimate) -> Option<String> {
+    match (estimate.verdict(), estimate.order()) {
+        (Verdict::NotObservable, _) => Some(format!(
+            "the row offset is not observable: contrast {} %, where {} % are needed, and blocks differ by {:.3} px, where \
+             {:.3} px are allowed; take frames of textured surroundings that are not too near",
+            estimate.contrast_percent,
+            Estimate::LEAST_CONTRAST_PERCENT,
+            f64::from(estimate.frame_error_q16()) / 65_536.0,
+            f64::from(Estimate::MOST_FRAME_ERROR_Q16) / 65_536.0,
+        )),
+        (Verdict::OutOfRange, _) => Some(
+            "the row offset is not within ±16 px, or roll and scale not within ±5: the views show different things, or the \
+             cameras must be turned"
+                .to_owned(),
+        ),
+        (Verdict::Observable, Order::Swapped) => {
+            Some("the views are swapped: exchange left and right (--first names the other camera)".to_owned())
+        }
+        (Verdict::Observable, _) => None,
+    }
+}
+
+impl Summary {
+    fn new(estimate: &Estimate, found: &Displacement, frames: usize, damaged: usize) -> Self {
+        let [rows, roll, scale] = estimate.errors_q16.map(|q16| f64::from(q16) / 65_536.0);
+        Self {
+            verdict: match estimate.verdict() {
+                Verdict::Observable => "observable",
+                Verdict::NotObservable => "not observable",
+                Verdict::OutOfRange => "out of range",
+            },
+            order: match estimate.order() {
+                Order::AsGiven => "as given",
+                Order::Swapped => "swapped",
+                Order::Contradictory => "contradictory",
+                Order::NotObservable => "not observable",
+            },
+            frames,
+            damaged,
+            row_offset: found.rows,
+            roll_deg: found.roll_deg,
+            scale_percent: found.scale_percent,
+            errors: [rows, roll.to_degrees(), 100.0 * scale],
+            contrast_percent: estimate.contrast_percent,
+            frame_error: f64::from(estimate.frame_error_q16()) / 65_536.0,
+            median_disparity: estimate.median_disparity,
+            ground_percent: estimate.ground_percent,
+            disparities: estimate.disparities,
+            evaluations: estimate.evaluations,
+        }
+    }
+
+    fn text(&self) -> String {
+        let Self { frames, row_offset, roll_deg, scale_percent, errors, contrast_percent, disparities, .. } = self;
+        let frames = if *frames == 1 { "1 frame".to_owned() } else { format!("{frames} frames") };
+        let order = match self.order {
+            "as given" => "left is left".to_owned(),
+            "contradictory" => format!(
+                "contradictory: a median disparity of {} px says {}, the ground, nearer below, says {}",
+                self.median_disparity,
+                side(self.median_disparity > 0),
+                side(self.ground_percent > 0)
+            ),
+            other => other.to_owned(),
+        };
+        format!(
+            "{frames}: the right view lies {row_offset:.2} ± {:.2} rows lower, rolled by {roll_deg:.2} ± {:.2} degrees, {scale_percent:.2} \
+             ± {:.2} % higher\nrow offset {}: contrast {contrast_percent} %\nleft and right: {order}\ndisparities from {} to \
+             {} px; the column offset is not observable from such frames\n",
+            errors[0], errors[1], errors[2], self.verdict, disparities[0], disparities[1],
+        )
+    }
+}
+
+fn side(is_as_given: bool) -> &'static str {
+    if is_as_given { "as given" } else { "swapped" }
+}

@@ -1,0 +1,72 @@
+//! Both views of a frame with rows drawn through them, before and after alignment.
+
+use anyhow::Result;
+use haarline::{Config, Ramp, Rectifier, ScanlinePair};
+use image::{ExtendedColorType, Rgb, RgbImage};
+
+use crate::output;
+use crate::stereo::pipeline::RECTIFY_ROWS;
+use crate::{Frame, StereoPair};
+
+/// Rows between two lines, px of the view.
+const EVERY: usize = 16;
+/// Views narrower than this are drawn twice as large.
+const SMALL: usize = 240;
+/// Space between views, px.
+const GAP: usize = 6;
+
+/// The right view with its rows brought to those of the left one; black where it has none.
+///
+/// # Errors
+/// If the ramp is out of its range.
+pub fn rectified(pair: &StereoPair, ramp: Ramp) -> Result<Frame> {
+    let size = [pair.width() as u16, pair.height() as u16];
+    let mut rectifier = Box::new(Rectifier::<RECTIFY_ROWS, { Config::MAX_WIDTH as usize }>::new(size, ramp, 0)?);
+    let mut luma = Vec::with_capacity(pair.right.luma.len());
+    let mut take = |row: haarline::RectifiedRow<'_>| match row.pair {
+        Some(pair) => luma.extend_from_slice(pair.right),
+        None => luma.resize(luma.len() + usize::from(size[0]), 0),
+    };
+    for y in 0..pair.height() {
+        rectifier.push(ScanlinePair { left: pair.left.row(y), right: pair.right.row(y) }, &mut take)?;
+    }
+    rectifier.finish(&mut take);
+    Ok(Frame::from_luma(pair.width(), pair.height(), luma))
+}
+
+/// The picture as PNG: the views as they came above, rectified below.
+///
+/// # Errors
+/// If the ramp is out of its range.
+pub fn encode(pair: &StereoPair, ramp: Ramp) -> Result<Vec<u8>> {
+    let zoom = if pair.width() < SMALL { 2 } else { 1 };
+    let (width, height) = (pair.width() * zoom, pair.height() * zoom);
+    let mut picture = RgbImage::new((2 * width + GAP) as u32, (2 * height + GAP) as u32);
+    let after = rectified(pair, ramp)?;
+    for (top, right) in [(0, &pair.right), (height + GAP, &after)] {
+        for (left, view) in [(0, &pair.left), (width + GAP, right)] {
+            draw(&mut picture, [left, top], view, zoom);
+        }
+        for y in (EVERY / 2..pair.height()).step_by(EVERY) {
+            for x in 0..2 * width + GAP {
+                picture.put_pixel(x as u32, (top + y * zoom) as u32, line_colour(y));
+            }
+        }
+    }
+    let size = [2 * width + GAP, 2 * height + GAP];
+    output::encode_png(&picture, size, ExtendedColorType::Rgb8)
+}
+
+fn draw(picture: &mut RgbImage, [left, top]: [usize; 2], view: &Frame, zoom: usize) {
+    for y in 0..view.height * zoom {
+        for x in 0..view.width * zoom {
+            let grey = view.luma[y / zoom * view.width + x / zoom];
+            picture.put_pixel((left + x) as u32, (top + y) as u32, Rgb([grey; 3]));
+        }
+    }
+}
+
+/// Two colours in turn, so that a line is not mistaken for its neighbour.
+fn line_colour(y: usize) -> Rgb<u8> {
+    if (y / EVERY).is_multiple_of(2) { Rgb([255, 190, 40]) } else { Rgb([60, 200, 255]) }
+}

@@ -1,0 +1,83 @@
+//! `haarline align`: a rig's offset found, told and written.
+
+use image::ImageFormat;
+
+use crate::files::{encode, png};
+use crate::scene::{HEIGHT, Pair, WIDTH};
+use crate::tool::Bench;
+
+/// A recording of one frame of which the right view lies `down` rows lower.
+fn record(bench: &Bench, down: usize) {
+    let pair = Pair::shifted(WIDTH, HEIGHT, 6);
+    let mut displaced = pair.clone();
+    for (index, pixel) in displaced.right.iter_mut().enumerate() {
+        let (x, y) = (index % WIDTH, index / WIDTH);
+        *pixel = pair.right[y.saturating_sub(down) * WIDTH + x];
+    }
+    bench.write("take/left/a.png", encode(&pair.left_image(), ImageFormat::Png));
+    bench.write("take/right/a.png", encode(&displaced.right_image(), ImageFormat::Png));
+}
+
+#[test]
+fn the_row_offset_is_told_and_written() {
+    let bench = Bench::new();
+    record(&bench, 3);
+    let json = bench.succeeds("align take --json").json();
+    let rows = json["row_offset"].as_f64().unwrap();
+    assert!((rows - 3.0).abs() < 0.1 && json["verdict"] == "observable", "{json}");
+    let told = bench.succeeds("align take -o rig.toml --picture rows.png").stdout;
+    assert!(told.contains("rows lower") && told.contains("fill them in"), "{told}");
+    let picture = png(&bench.read("rows.png"));
+    assert!(picture.width() as usize >= 2 * WIDTH && picture.height() as usize >= 2 * HEIGHT);
+    let shown = bench.succeeds("rig show rig.toml --json").json();
+    assert!((shown["row_offset"].as_f64().unwrap() - rows).abs() < 0.001, "{shown}");
+    assert_eq!((&shown["width"], &shown["height"]), (&WIDTH.into(), &HEIGHT.into()));
+}
+
+#[test]
+fn a_description_is_changed_only_when_asked_and_kept() {
+    let bench = Bench::new();
+    record(&bench, 2);
+    bench.refuses("align take -o rig.toml --update", &["rig.toml", "leave --update out"]);
+    bench.succeeds("align take -o rig.toml");
+    bench.refuses("align take -o rig.toml", &["the file is there", "--update"]);
+    let first = String::from_utf8(bench.read("rig.toml")).unwrap();
+    let text = first
+        .replace("focal_px = 200.0", "focal_px = 123.0  # measured")
+        .replace("row_offset = ", "row_offset = 5.5 # ");
+    bench.write("rig.toml", &text);
+    let told = bench.succeeds("align take -o rig.toml --update").stdout;
+    assert!(told.contains("was 5.5") && told.contains("rig.toml.bak"), "{told}");
+    assert_eq!(String::from_utf8(bench.read("rig.toml.bak")).unwrap(), text);
+    let now = String::from_utf8(bench.read("rig.toml")).unwrap();
+    assert!(now.contains("focal_px = 123.0  # measured"), "{now}");
+    bench.write("rig.toml", "row_offset = 1\n");
+    bench.refuses("align take -o rig.toml --update", &["rig.toml", "is missing"]);
+}
+
+#[test]
+fn what_does_not_show_it_is_not_observable() {
+    let bench = Bench::new();
+    let flat =
+        Pair { left: vec![90; WIDTH * HEIGHT], right: vec![90; WIDTH * HEIGHT], ..Pair::shifted(WIDTH, HEIGHT, 0) };
+    bench.write("take/left/a.png", encode(&flat.left_image(), ImageFormat::Png));
+    bench.write("take/right/a.png", encode(&flat.right_image(), ImageFormat::Png));
+    let outcome = bench.run("align take -o rig.toml");
+    assert_eq!(outcome.status, 1, "{outcome:?}");
+    assert!(outcome.stderr.contains("not observable") && outcome.stderr.lines().count() == 1, "{outcome:?}");
+    assert!(!bench.path("rig.toml").exists());
+}
+
+#[test]
+fn wrong_recordings_and_names_are_refused() {
+    let bench = Bench::new();
+    record(&bench, 0);
+    bench.refuses("align none", &["none", "no such folder"]);
+    bench.refuses("align take --picture take/left/b.png", &["--picture", "lies in the recording"]);
+    bench.refuses("align take --update", &["--output"]);
+    bench.refuses("align take --frames 4..", &["1 frames only"]);
+    bench.write("take/left/b.png", b"no image");
+    bench.write("take/right/b.png", b"no image");
+    let outcome = bench.run("align take --json");
+    assert_eq!((outcome.status, outcome.json()["damaged"].as_i64()), (0, Some(1)));
+}
