@@ -7,7 +7,6 @@ use anyhow::{Result, bail, ensure};
 
 use super::shared::{Benchmark, JsonOutput, MethodOptions, progress};
 use super::{Finding, natural_number, number};
-use crate::output;
 use crate::score::baselines::{Baselines, Level};
 use crate::score::degrade::Degradation;
 use crate::score::evaluation::{self, Evaluator, Evidence, Mean, SceneScore};
@@ -106,7 +105,7 @@ impl Args {
         let folders = self.benchmark.folders()?;
         let scenes = evaluation::load(&folders)?;
         let baselines = self.benchmark.read_baselines()?;
-        self.check_outputs()?;
+        self.check_outputs(&folders)?;
         let widest = scenes.iter().map(|scene| scene.pair.width()).max().unwrap_or(0);
         let level = baselines.as_ref().map(|baselines| baselines.level(widest, &degradation));
         let baselines = baselines.as_ref().zip(level.as_ref());
@@ -142,14 +141,11 @@ impl Args {
         Ok(Degradation { noise, shot_noise, pattern_noise, gain, offset, both_gain, seed })
     }
 
-    fn check_outputs(&self) -> Result<()> {
-        if let Some(path) = self.json.file() {
-            output::check_writable("--json", path)?;
-        }
-        match &self.output {
-            Some(folder) => output::prepare_folder("-o", folder),
-            None => Ok(()),
-        }
+    fn check_outputs(&self, folders: &[PathBuf]) -> Result<()> {
+        let mut claims = self.benchmark.claims(folders);
+        self.json.file().map_or(Ok(()), |path| claims.write("--json", path))?;
+        let is_map = |name: &str| [".pfm", "_confidence.png", "_picture.png"].iter().any(|end| name.ends_with(end));
+        self.output.as_ref().map_or(Ok(()), |folder| claims.write_in("-o", folder, is_map))
     }
 
     fn evaluate(

@@ -11,6 +11,7 @@ use super::shared::{LayoutKind, WiringArgs, layout, progress, warn_skipped};
 use super::{Finding, print};
 use crate::input::raw_dump::write_frame;
 use crate::input::recording::{FrameRange, RecordedFrame, Side, find_frames};
+use crate::output::claims::Claims;
 use crate::{StereoPair, output};
 
 /// Arguments of `haarline record`.
@@ -75,7 +76,7 @@ impl Args {
     pub(super) fn run(self) -> Result<()> {
         let wiring = self.wiring.get_required()?;
         let sources = self.sources()?;
-        output::check_writable("-o", &self.output)?;
+        self.claim(&sources)?;
         let mut told = None;
         output::write_with(&self.output, |file| {
             let mut dump = Dump { wiring, file, size: None, frames: 0 };
@@ -101,14 +102,20 @@ impl Args {
         Ok(())
     }
 
-    fn sources(&self) -> Result<Vec<Source<'_>>> {
-        let Some(folder) = &self.recording else {
-            for view in &self.views {
-                let is_view = output::is_same_file(view, &self.output);
-                ensure!(!is_view, "-o {}: is one of the views, give another name", self.output.display());
+    /// The dump may be none of the files that are read.
+    fn claim(&self, sources: &[Source<'_>]) -> Result<()> {
+        let mut claims = Claims::new();
+        for source in sources {
+            match source {
+                Source::Views(views) => claims.read(*views),
+                Source::Recorded(frame) => claims.read(frame.files()),
             }
-            return Ok(vec![Source::Views(&self.views)]);
-        };
+        }
+        claims.write("-o", &self.output)
+    }
+
+    fn sources(&self) -> Result<Vec<Source<'_>>> {
+        let Some(folder) = &self.recording else { return Ok(vec![Source::Views(&self.views)]) };
         let frames = find_frames(folder, layout(self.layout, self.layout_first, "--layout-first")?)?;
         let (range, recorded) = (self.frames.unwrap_or_default(), frames.len());
         let frames = range.choose(frames, 1);

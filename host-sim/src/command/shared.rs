@@ -15,8 +15,9 @@ use indicatif::{ProgressBar, ProgressState, ProgressStyle};
 use super::{print, whole_number};
 use crate::input::recording::{Layout, Side};
 use crate::output;
+use crate::output::claims::Claims;
 use crate::score::baselines::Baselines;
-use crate::score::scene::{find_scenes, read_meta};
+use crate::score::scene::{self, find_scenes, read_meta};
 use crate::score::split::{Half, halves};
 use crate::stereo::method::{Method, MethodKind, check_config};
 use crate::{Geometry, input::rig_file};
@@ -67,6 +68,11 @@ pub(super) struct RigArg {
 }
 
 impl RigArg {
+    /// Its file, if there is one.
+    pub(super) fn path(&self) -> Option<&PathBuf> {
+        self.rig.as_ref()
+    }
+
     /// Whether there is one.
     pub(super) fn is_given(&self) -> bool {
         self.rig.is_some()
@@ -324,9 +330,25 @@ impl Benchmark {
 
     /// OpenCV's figures, if a file is named or found.
     pub(super) fn read_baselines(&self) -> Result<Option<Baselines>> {
-        let found = || Baselines::find(&self.scenes);
-        self.baselines.clone().or_else(found).map(|path| Baselines::read(&path)).transpose()
+        self.baselines_file().map(|path| Baselines::read(&path)).transpose()
     }
+
+    fn baselines_file(&self) -> Option<PathBuf> {
+        self.baselines.clone().or_else(|| Baselines::find(&self.scenes))
+    }
+
+    /// The scenes in `folders` and OpenCV's figures as files that are read.
+    pub(super) fn claims(&self, folders: &[PathBuf]) -> Claims<'static> {
+        let mut claims = Claims::new();
+        claims.read(self.baselines_file());
+        read_scenes(&mut claims, folders);
+        claims
+    }
+}
+
+/// The scenes' files are read.
+pub(super) fn read_scenes(claims: &mut Claims<'_>, folders: &[PathBuf]) {
+    claims.read(folders.iter().flat_map(|folder| scene::FILES.map(|file| folder.join(file))));
 }
 
 /// The folders of the scenes in `scenes` that `only` names, or of all.

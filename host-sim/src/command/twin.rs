@@ -17,6 +17,7 @@ use super::{Finding, natural_number, number, print};
 use crate::input::raw_dump::{RawFormat, ViewSize};
 use crate::input::recording::{Layout, Side, find_frames};
 use crate::output;
+use crate::output::claims::Claims;
 use crate::score::degrade::Degradation;
 use crate::stereo::method::MethodKind;
 use crate::stereo::obstacles::{FrameObstacles, ObstacleFinder};
@@ -161,12 +162,7 @@ impl Args {
         let fault = self.fault.clone();
         let request = Request { config, height, recorded, frames, keep, method, wiring, fault, plan };
         request.check()?;
-        if let Some(path) = &self.output {
-            output::check_writable("-o", path)?;
-        }
-        if let Some(path) = &self.obstacles {
-            output::check_writable("--obstacles", path)?;
-        }
+        self.claim(recorded.max(frames))?;
 
         let elf = self.elf.clone().map_or_else(elf::build, Ok)?;
         let program = fs::read(&elf).with_context(|| format!("{}: cannot be read", elf.display()))?;
@@ -238,8 +234,29 @@ impl Args {
             return Ok(vec![(scene.to_string_lossy().into_owned(), pair)]);
         }
         let Some(folder) = &self.recording else { bail!("two views are needed, or --recording") };
-        let layout = self.side_by_side.map_or(Layout::Separate, |first| Layout::SideBySide { first });
-        find_frames(folder, layout)?.into_iter().map(|frame| Ok((frame.name.clone(), frame.read()?))).collect()
+        find_frames(folder, self.layout())?.into_iter().map(|frame| Ok((frame.name.clone(), frame.read()?))).collect()
+    }
+
+    /// No map of one of the first `frames` frames, nor the table, may be one of the files that are read.
+    fn claim(&self, frames: u32) -> Result<()> {
+        let mut claims = Claims::new();
+        claims.read(self.left.iter().chain(&self.right).chain(&self.elf).chain(self.rig.path()));
+        match &self.recording {
+            Some(file) if self.raw.is_some() => claims.read([file]),
+            Some(folder) => find_frames(folder, self.layout())?.iter().for_each(|frame| claims.read(frame.files())),
+            None => {}
+        }
+        if let Some(path) = &self.output {
+            claims.write("-o", path)?;
+            (0..frames)
+                .skip(usize::from(frames == 1))
+                .try_for_each(|frame| claims.write("-o", &numbered(path, frame)))?;
+        }
+        self.obstacles.as_ref().map_or(Ok(()), |path| claims.write("--obstacles", path))
+    }
+
+    fn layout(&self) -> Layout {
+        self.side_by_side.map_or(Layout::Separate, |first| Layout::SideBySide { first })
     }
 
     fn write(&self, maps: &BTreeMap<u32, DisparityMap>) -> Result<()> {
