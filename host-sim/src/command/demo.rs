@@ -7,8 +7,8 @@ use clap::ValueEnum;
 use serde::Serialize;
 
 use super::{natural_number, number, print};
-use crate::output::picture::{self, ColourRange};
-use crate::output::{self, encode_grey_png};
+use crate::output::colour_range::ColourRange;
+use crate::output::{self, encode_grey_png, picture};
 use crate::score::Score;
 use crate::score::scene::Meta;
 use crate::stereo::method::MethodKind;
@@ -92,7 +92,7 @@ impl Args {
         let rendering = scene.render();
         let Run { map, elapsed } = pipeline::run(&mut *self.method.build(scene.config())?, &rendering.pair)?;
         let files = scene_files(&scene, &rendering, focal_px)?;
-        let files = files.into_iter().chain(map_files(&scene, &rendering, &map, focal_px)?);
+        let files = files.into_iter().chain(map_files(&rendering, &map, focal_px)?);
         let files: Vec<NamedFile> = files.collect();
         for (name, _, bytes) in &files {
             output::write(&self.output.join(name), bytes)?;
@@ -139,18 +139,18 @@ fn scene_files(scene: &Scene, rendering: &Rendering, focal_px: f64) -> Result<[N
 }
 
 /// The core's answer, and the truth in the same colours.
-fn map_files(scene: &Scene, rendering: &Rendering, map: &DisparityMap, focal_px: f64) -> Result<[NamedFile; 6]> {
+fn map_files(rendering: &Rendering, map: &DisparityMap, focal_px: f64) -> Result<[NamedFile; 6]> {
     let geometry = Geometry::new(focal_px, BASELINE_MM)?;
     let true_map = rendering.truth.to_map();
     let range = ColourRange::of(&true_map);
-    let picture = |map: &DisparityMap| picture::encode(map, &range, Some(&geometry));
+    let picture = |map: &DisparityMap| picture::encode(map, &range, Some(&geometry), None);
     Ok([
         ("truth_picture.png", "true disparity in colours", picture(&true_map)?),
         ("disparity_picture.png", "the disparity found, in the same colours", picture(map)?),
-        ("disparity_grey.png", "the same in grey", picture::encode_grey(map, &scene.config())?),
+        ("disparity_grey.png", "the same in grey", picture::encode_grey(map, &range)?),
         ("confidence.png", "its confidence", encode_grey_png(&map.confidence, [map.width, map.height])?),
         ("disparity.pfm", "its disparity in px", output::pfm::encode(map)),
-        ("cloud.ply", "its points in m", output::ply::encode(map, &rendering.pair.left, &geometry)),
+        ("cloud.ply", "its points in m", output::ply::encode(map, &rendering.pair.left, &geometry, None)),
     ])
 }
 

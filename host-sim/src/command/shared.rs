@@ -12,10 +12,11 @@ use haarline::{Config, ContourSettings, Scales, Wiring};
 use haarline_rig::Description;
 use indicatif::{ProgressBar, ProgressState, ProgressStyle};
 
-use super::{print, whole_number};
+use super::{number, print, whole_number};
 use crate::input::recording::{Layout, Side};
 use crate::output;
 use crate::output::claims::Claims;
+use crate::output::colour_range::ColourRange;
 use crate::score::baselines::Baselines;
 use crate::score::scene::{self, find_scenes, read_meta};
 use crate::score::split::{Half, halves};
@@ -73,11 +74,6 @@ impl RigArg {
         self.rig.as_ref()
     }
 
-    /// Whether there is one.
-    pub(super) fn is_given(&self) -> bool {
-        self.rig.is_some()
-    }
-
     /// The description, if there is one, with the search range, focal length in px and baseline in mm of the
     /// options where these tell some.
     pub(super) fn read(&self, search: &SearchRange, geometry: [Option<f64>; 2]) -> Result<Option<Description>> {
@@ -93,6 +89,51 @@ impl RigArg {
         rig.check().with_context(|| path.display().to_string())?;
         Ok(Some(rig))
     }
+}
+
+/// What turns disparities into depth.
+#[derive(Debug, clap::Args)]
+pub(super) struct DepthOptions {
+    /// Focal length, px; with --baseline-mm depth is told, too
+    #[arg(long, value_name = "F", allow_hyphen_values = true, value_parser = number)]
+    focal_px: Option<f64>,
+    /// Distance of the two cameras, mm
+    #[arg(long, value_name = "B", allow_hyphen_values = true, value_parser = number)]
+    baseline_mm: Option<f64>,
+    /// Leaves what is farther out of depth images and point clouds, m
+    #[arg(long, value_name = "M", allow_hyphen_values = true, value_parser = number)]
+    max_depth: Option<f64>,
+}
+
+impl DepthOptions {
+    /// The rig, with the values of these options where they tell some.
+    pub(super) fn rig(&self, rig: &RigArg, search: &SearchRange) -> Result<Option<Description>> {
+        rig.read(search, [self.focal_px, self.baseline_mm])
+    }
+
+    /// Focal length and baseline, if they are known; `rig` has what the options told already.
+    pub(super) fn geometry(&self, rig: Option<&Description>) -> Result<Option<Geometry>> {
+        match rig {
+            Some(rig) => Geometry::new(rig.focal_px, rig.baseline_mm).map(Some),
+            None => Geometry::from_options(self.focal_px, self.baseline_mm),
+        }
+    }
+
+    /// What is farther is left out, m; only where depth is known can it be told.
+    pub(super) fn max_depth_m(&self, geometry: Option<&Geometry>) -> Result<Option<f64>> {
+        let Some(most) = self.max_depth else { return Ok(None) };
+        ensure!(most.is_finite() && most > 0.0, "--max-depth {most}: must be a positive number of m");
+        ensure!(geometry.is_some(), "--max-depth {most}: needs --focal-px and --baseline-mm, or --rig");
+        Ok(Some(most))
+    }
+}
+
+/// What the colours of pictures span.
+#[derive(Debug, clap::Args)]
+pub(super) struct RangeArg {
+    /// Disparities that the colours and greys of pictures span, px
+    #[arg(long, value_name = "A..B", allow_hyphen_values = true)]
+    pub(super) range: Option<ColourRange>,
 }
 
 /// Which method, and its settings.

@@ -7,7 +7,8 @@ use anyhow::{Context, Result};
 use haarline::{Config, ConfigError, StereoMethod};
 use rayon::prelude::*;
 
-use crate::output::picture::{self, ColourRange};
+use crate::output::colour_range::ColourRange;
+use crate::output::picture;
 use crate::score::baselines::{self, Baselines, Level};
 use crate::score::degrade::Degradation;
 use crate::score::obstacle_score::ObstacleScore;
@@ -176,7 +177,7 @@ fn write_maps(folder: &Path, scene: &Scene, map: &DisparityMap) -> Result<()> {
     output::write(&file(".pfm"), &output::pfm::encode(map))?;
     let confidence = output::encode_grey_png(&map.confidence, [map.width, map.height])?;
     output::write(&file("_confidence.png"), &confidence)?;
-    output::write(&file("_picture.png"), &picture::encode(map, &range, geometry.as_ref())?)
+    output::write(&file("_picture.png"), &picture::encode(map, &range, geometry.as_ref(), None)?)
 }
 
 #[cfg(test)]

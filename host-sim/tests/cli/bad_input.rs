@@ -190,7 +190,7 @@ fn a_png_with_a_flipped_bit() {
 fn outputs_of_unknown_kind() {
     let bench = usual();
     for name in ["map", "map.txt", "map.jpg", "map.", ".pfm", "map.pfm.gz", "pfm"] {
-        bench.refuses(&format!("depth left.png right.png -o {name}"), &["-o", name, ".pfm, .png or .ply"]);
+        bench.refuses(&format!("depth left.png right.png -o {name}"), &["-o", name, ".pfm, .png, .npy or .ply"]);
     }
     for option in ["--picture", "--grey", "--confidence"] {
         for name in ["map", "map.jpg", "map.pfm"] {
