@@ -11,6 +11,7 @@ use serde::Serialize;
 use super::print;
 use super::shared::{DepthOptions, MethodOptions, MinConfidence, RangeArg, RigArg, SearchRange};
 use crate::output;
+use crate::output::claims::Claims;
 use crate::output::colour_range::ColourRange;
 use crate::output::map_file::{MapKind, MapView};
 use crate::output::obstacle_strip::ObstacleStrip;
@@ -163,20 +164,11 @@ impl Args {
                 path.display()
             );
         }
-        let mut taken: Vec<PathBuf> = Vec::new();
+        let mut claims = Claims::new();
+        claims.read([&self.left, &self.right].into_iter().chain(self.rig.path()));
         let table = self.obstacles.iter().map(|path| ("--obstacles", path.as_path()));
-        for (option, path) in files.iter().map(|(option, _, path)| (*option, *path)).chain(table) {
-            output::check_writable(option, path)?;
-            let same_as = |other: &Path| output::is_same_file(path, other);
-            ensure!(
-                !same_as(&self.left) && !same_as(&self.right),
-                "{option} {}: is one of the views, give another name",
-                path.display()
-            );
-            ensure!(!taken.iter().any(|other| same_as(other)), "{option} {}: the name is given twice", path.display());
-            taken.push(path.to_owned());
-        }
-        Ok(())
+        let mut files = files.iter().map(|(option, _, path)| (*option, *path)).chain(table);
+        files.try_for_each(|(option, path)| claims.write(option, path))
     }
 
     /// Writes every file, after the content of all is known.

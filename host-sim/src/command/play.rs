@@ -17,7 +17,7 @@ use super::{Finding, print, whole_number};
 use crate::input::raw_dump::{RawFormat, ViewSize};
 use crate::input::recording::{FrameRange, RecordedFrame, find_frames, find_raw_frames};
 use crate::input::rig_file;
-use crate::output;
+use crate::output::claims::Claims;
 use crate::output::map_file::MapKind;
 use crate::play::{Files, FrameReport, FrameWriter, ObstacleTotals, Player, Taken, Totals};
 
@@ -115,6 +115,7 @@ impl Args {
         let files = self.files(rig.as_ref())?;
         let frames = self.find_frames(rig.as_ref())?;
         let recorded = frames.len();
+        let claims = self.claims(&frames);
         let range = self.frames.unwrap_or_default();
         let frames = range.choose(frames, step);
         ensure!(
@@ -134,7 +135,7 @@ impl Args {
             }
             None => None,
         };
-        self.check_output()?;
+        self.check_output(claims, &files.kinds)?;
         let mut writer = FrameWriter::begin(files)?;
         let mut totals = Totals::default();
         match format {
@@ -193,26 +194,23 @@ impl Args {
         find_frames(&self.recording, layout(self.layout, self.wiring.first, "--first")?)
     }
 
-    /// Refuses to write among the frames: pictures would be frames of the next run, and a list of the
-    /// recording might have the name of ours.
-    fn check_output(&self) -> Result<()> {
-        let folders = ["", "left", "right"].map(|name| self.recording.join(name));
-        for folder in folders {
-            ensure!(
-                !output::is_same_file(&folder, &self.output),
-                "-o {}: is a folder of the recording, give another one",
-                self.output.display()
-            );
-        }
-        if let Some(path) = &self.mavlink {
-            output::check_writable("--mavlink", path)?;
-            ensure!(
-                !output::is_same_file(path, &self.recording),
-                "--mavlink {}: is the recording, give another name",
-                path.display()
-            );
-        }
-        output::prepare_folder("-o", &self.output)
+    /// All that is read.
+    fn claims(&self, frames: &[RecordedFrame]) -> Claims<'static> {
+        let mut claims = Claims::new();
+        claims.read(self.rig.path());
+        claims.read_recording(&self.recording, frames.iter().flat_map(RecordedFrame::files));
+        claims
+    }
+
+    /// Refuses to replace what is read, and to write among the frames: pictures would be frames of the next
+    /// run.
+    fn check_output(&self, mut claims: Claims<'_>, kinds: &[MapKind]) -> Result<()> {
+        self.mavlink.as_ref().map_or(Ok(()), |path| claims.write("--mavlink", path))?;
+        let endings: Vec<String> = kinds.iter().map(|kind| kind.ending().to_owned()).collect();
+        let is_ours = move |name: &str| {
+            ["frames.csv", "obstacles.csv"].contains(&name) || endings.iter().any(|ending| name.ends_with(ending))
+        };
+        claims.write_in("-o", &self.output, is_ours)
     }
 
     fn summary<'a>(

@@ -76,7 +76,6 @@ impl Args {
     pub(super) fn run(self) -> Result<()> {
         let wiring = self.wiring.get_required()?;
         let sources = self.sources()?;
-        self.claim(&sources)?;
         let mut told = None;
         output::write_with(&self.output, |file| {
             let mut dump = Dump { wiring, file, size: None, frames: 0 };
@@ -102,21 +101,17 @@ impl Args {
         Ok(())
     }
 
-    /// The dump may be none of the files that are read.
-    fn claim(&self, sources: &[Source<'_>]) -> Result<()> {
-        let mut claims = Claims::new();
-        for source in sources {
-            match source {
-                Source::Views(views) => claims.read(*views),
-                Source::Recorded(frame) => claims.read(frame.files()),
-            }
-        }
-        claims.write("-o", &self.output)
-    }
-
+    /// What is read; the dump may be none of it.
     fn sources(&self) -> Result<Vec<Source<'_>>> {
-        let Some(folder) = &self.recording else { return Ok(vec![Source::Views(&self.views)]) };
+        let mut claims = Claims::new();
+        claims.read(&self.views);
+        let Some(folder) = &self.recording else {
+            claims.write("-o", &self.output)?;
+            return Ok(vec![Source::Views(&self.views)]);
+        };
         let frames = find_frames(folder, layout(self.layout, self.layout_first, "--layout-first")?)?;
+        claims.read_recording(folder, frames.iter().flat_map(RecordedFrame::files));
+        claims.write("-o", &self.output)?;
         let (range, recorded) = (self.frames.unwrap_or_default(), frames.len());
         let frames = range.choose(frames, 1);
         ensure!(!frames.is_empty(), "--frames {range}: the recording has {recorded} frames only, counted from 0");

@@ -14,6 +14,7 @@ mod demo;
 mod depth;
 mod eval;
 mod files;
+mod overwrite;
 mod play;
 mod receive;
 mod record;
