@@ -8,6 +8,7 @@ use haarline::{Config, Disparity, Offset};
 use haarline_rig::Description;
 use serde::Serialize;
 
+use super::degradation::DegradationOptions;
 use super::print;
 use super::shared::{DepthOptions, MethodOptions, MinConfidence, RangeArg, RigArg, SearchRange};
 use crate::output;
@@ -15,6 +16,7 @@ use crate::output::claims::Claims;
 use crate::output::colour_range::ColourRange;
 use crate::output::map_file::{MapKind, MapView};
 use crate::output::obstacle_strip::ObstacleStrip;
+use crate::score::degrade::replace_right;
 use crate::stereo::disparity_map::{DisparityMap, Spread};
 use crate::stereo::method::MethodKind;
 use crate::stereo::obstacles::{FrameObstacles, ObstacleFinder, ObstacleSummary};
@@ -63,6 +65,8 @@ pub(super) struct Args {
     /// Fills unknown pixels with the farther of the next known ones beside them: a guess, confidence 1
     #[arg(long)]
     fill: bool,
+    #[command(flatten)]
+    degradation: DegradationOptions,
     /// Prints the summary as JSON
     #[arg(long)]
     json: bool,
@@ -105,7 +109,7 @@ impl Args {
         let (method, min_confidence) = (self.method.get()?, self.min_confidence.get()?);
         let files = self.files()?;
         self.check_outputs(&files, geometry.is_some())?;
-        let pair = StereoPair::read(&self.left, &self.right)?;
+        let pair = self.read_pair()?;
         let config = match &rig {
             Some(rig) => {
                 rig_file::check_size(rig, [pair.width(), pair.height()])?;
@@ -134,6 +138,19 @@ impl Args {
         let mut summary = Summary::new(&map, &config, method.kind, elapsed.as_secs_f64() * 1000.0, geometry.as_ref());
         summary.obstacles = obstacles.map(|found| found.finder.summary(&found.frame));
         print(&if self.json { serde_json::to_string(&summary)? + "\n" } else { summary.line() })
+    }
+
+    /// The views as the method gets them. What is drawn is what eval draws of a scene: by the name of the folder.
+    fn read_pair(&self) -> Result<StereoPair> {
+        let degradation = self.degradation.get()?;
+        let other = self.degradation.right_from(None)?;
+        let mut pair = StereoPair::read(&self.left, &self.right)?;
+        if let Some(other) = &other {
+            replace_right(&mut pair, other);
+        }
+        let folder = self.left.canonicalize().ok().and_then(|path| Some(path.parent()?.file_name()?.to_owned()));
+        degradation.apply(&folder.unwrap_or_default().to_string_lossy(), &mut pair);
+        Ok(pair)
     }
 
     /// The files that tell the map, with the options that ask for them.
@@ -166,6 +183,7 @@ impl Args {
         }
         let mut claims = Claims::new();
         claims.read([&self.left, &self.right].into_iter().chain(self.rig.path()));
+        claims.read(self.degradation.right_from_file());
         let table = self.obstacles.iter().map(|path| ("--obstacles", path.as_path()));
         let mut files = files.iter().map(|(option, _, path)| (*option, *path)).chain(table);
         files.try_for_each(|(option, path)| claims.write(option, path))

@@ -5,16 +5,14 @@ use std::str::FromStr;
 
 use anyhow::{Result, bail, ensure};
 
+use super::Finding;
+use super::degradation::DegradationOptions;
 use super::shared::{Benchmark, JsonOutput, MethodOptions, progress};
-use super::{Finding, natural_number, number};
-use crate::score::baselines::{Baselines, Level};
-use crate::score::degrade::Degradation;
-use crate::score::evaluation::{self, Evaluator, Evidence, Mean, SceneScore};
-use crate::score::report::Report;
-use crate::score::scene::{Region, Scene};
+use crate::score::evaluation::{self, Evaluator, Evidence, Mean, Source};
+use crate::score::report::{Report, Treatment};
+use crate::score::scene::Region;
 use crate::score::sure::SURE;
 use crate::score::{Figure, MapScore, Score};
-use crate::stereo::method::Method;
 
 /// Arguments of `haarline eval`.
 #[derive(Debug, clap::Args)]
@@ -23,27 +21,21 @@ pub(super) struct Args {
     benchmark: Benchmark,
     #[command(flatten)]
     method: MethodOptions,
-    /// Adds Gaussian noise to both views: standard deviation, grey levels
-    #[arg(long, value_name = "SIGMA", default_value_t = 0.0, allow_hyphen_values = true, value_parser = number)]
-    noise: f64,
-    /// Adds shot noise to both views: standard deviation at one grey level, grows with the root of the light
-    #[arg(long, value_name = "SIGMA", default_value_t = 0.0, allow_hyphen_values = true, value_parser = number)]
-    shot_noise: f64,
-    /// Adds a fixed pattern to both views: standard deviation from column to column, grey levels
-    #[arg(long, value_name = "SIGMA", default_value_t = 0.0, allow_hyphen_values = true, value_parser = number)]
-    pattern_noise: f64,
-    /// Multiplies the right view
-    #[arg(long, value_name = "G", default_value_t = 1.0, allow_hyphen_values = true, value_parser = number)]
-    gain: f64,
-    /// Adds grey levels to the right view, after the gain
-    #[arg(long, value_name = "O", default_value_t = 0.0, allow_hyphen_values = true, value_parser = number)]
-    offset: f64,
-    /// Multiplies both views, after gain and offset and before the noise: less light
-    #[arg(long, value_name = "G", default_value_t = 1.0, allow_hyphen_values = true, value_parser = number)]
-    both_gain: f64,
-    /// Seed of the noise
-    #[arg(long, value_name = "S", default_value_t = 0, allow_hyphen_values = true, value_parser = natural_number)]
-    seed: u64,
+    #[command(flatten)]
+    degradation: DegradationOptions,
+    /// Smooths the views as our front end does, by their noise, before the method gets them
+    #[arg(long)]
+    smooth: bool,
+    /// Fills unknown pixels with the farther of the next known ones beside them: guesses, confidence 1
+    #[arg(long)]
+    fill: bool,
+    /// Scores finished maps instead of a method's: <scene>.pfm (px) or <scene>.png (16 bits, disparity x 256), and
+    /// <scene>_confidence.png where there is one. What was done to the views is only told
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["method", "smooth", "write_views", "right_from"])]
+    maps: Option<PathBuf>,
+    /// Writes <scene>/left.png and <scene>/right.png of every scene as the method gets them
+    #[arg(long, value_name = "DIR")]
+    write_views: Option<PathBuf>,
     /// Scores what is hidden from the right camera, too, apart
     #[arg(long)]
     occluded: bool,
@@ -101,7 +93,9 @@ impl FromStr for Limit {
 
 impl Args {
     pub(super) fn run(self) -> Result<()> {
-        let (method, degradation) = (self.method.get()?, self.degradation()?);
+        let degradation = self.degradation.get()?;
+        let method = self.method.get()?;
+        let right = self.degradation.right_from(Some(&self.benchmark.scenes))?;
         let folders = self.benchmark.folders()?;
         let scenes = evaluation::load(&folders)?;
         let baselines = self.benchmark.read_baselines()?;
@@ -109,12 +103,37 @@ impl Args {
         let widest = scenes.iter().map(|scene| scene.pair.width()).max().unwrap_or(0);
         let level = baselines.as_ref().map(|baselines| baselines.level(widest, &degradation));
         let baselines = baselines.as_ref().zip(level.as_ref());
-        let scores = self.evaluate(method, &scenes, degradation, baselines)?;
-        let Some(mean) = Mean::of(scores.iter()) else { bail!("{}: no scene in it", self.benchmark.scenes.display()) };
-        let report = Report {
-            method: method.name(),
-            folder: &self.benchmark.scenes,
+        let regions = [(self.occluded, Region::Occluded), (self.left_band, Region::LeftBand)];
+        let apart: Vec<Region> =
+            regions.into_iter().filter_map(|(is_asked, region)| is_asked.then_some(region)).collect();
+        let build = |config| method.build(config);
+        let evaluator = Evaluator {
+            source: self.maps.as_deref().map_or(Source::Method(&build), Source::Maps),
+            right_from: right.as_ref(),
             degradation,
+            smooth: self.smooth,
+            fill: self.fill,
+            baselines,
+            apart: &apart,
+            maps: self.output.as_deref(),
+            views: self.write_views.as_deref(),
+            evidence: Evidence { sure_from: self.sure_from.unwrap_or(SURE), obstacles: self.obstacles },
+        };
+        let progress = progress(scenes.len(), "scenes")?;
+        let scores = evaluator.run(&scenes, || progress.inc(1));
+        progress.finish_and_clear();
+        let scores = scores?;
+        let Some(mean) = Mean::of(scores.iter()) else { bail!("{}: no scene in it", self.benchmark.scenes.display()) };
+        let maps = self.maps.as_ref().map(|folder| format!("maps in {}", folder.display()));
+        let report = Report {
+            method: maps.as_deref().unwrap_or(method.name()),
+            folder: &self.benchmark.scenes,
+            treatment: Treatment {
+                degradation,
+                right_from: self.degradation.right_from_name(),
+                smooth: self.smooth,
+                fill: self.fill,
+            },
             baselines,
             scenes: &scores,
             mean: &mean,
@@ -124,48 +143,20 @@ impl Args {
         check_limits(&self.fail_over, &mean.score)
     }
 
-    fn degradation(&self) -> Result<Degradation> {
-        let limited = [
-            ("--noise", self.noise),
-            ("--shot-noise", self.shot_noise),
-            ("--pattern-noise", self.pattern_noise),
-            ("--gain", self.gain),
-            ("--both-gain", self.both_gain),
-        ];
-        for (option, value) in limited {
-            ensure!((0.0..=255.0).contains(&value), "{option} {value}: must be 0 to 255");
-        }
-        let offset = self.offset;
-        ensure!((-255.0..=255.0).contains(&offset), "--offset {offset}: must be -255 to 255 grey levels");
-        let Self { noise, shot_noise, pattern_noise, gain, offset, both_gain, seed, .. } = *self;
-        Ok(Degradation { noise, shot_noise, pattern_noise, gain, offset, both_gain, seed })
-    }
-
     fn check_outputs(&self, folders: &[PathBuf]) -> Result<()> {
         let mut claims = self.benchmark.claims(folders);
+        claims.read(self.degradation.right_from_file());
+        let maps = self.maps.iter().filter_map(|folder| folder.read_dir().ok()).flatten().filter_map(Result::ok);
+        claims.read(maps.map(|map| map.path()));
         self.json.file().map_or(Ok(()), |path| claims.write("--json", path))?;
         let is_map = |name: &str| [".pfm", "_confidence.png", "_picture.png"].iter().any(|end| name.ends_with(end));
-        self.output.as_ref().map_or(Ok(()), |folder| claims.write_in("-o", folder, is_map))
-    }
-
-    fn evaluate(
-        &self,
-        method: Method,
-        scenes: &[Scene],
-        degradation: Degradation,
-        baselines: Option<(&Baselines, &Level)>,
-    ) -> Result<Vec<SceneScore>> {
-        let build = |config| method.build(config);
-        let regions = [(self.occluded, Region::Occluded), (self.left_band, Region::LeftBand)];
-        let apart: Vec<Region> =
-            regions.into_iter().filter_map(|(is_asked, region)| is_asked.then_some(region)).collect();
-        let evidence = Evidence { sure_from: self.sure_from.unwrap_or(SURE), obstacles: self.obstacles };
-        let maps = self.output.as_deref();
-        let evaluator = Evaluator { build: &build, degradation, baselines, apart: &apart, maps, evidence };
-        let progress = progress(scenes.len(), "scenes")?;
-        let scores = evaluator.run(scenes, || progress.inc(1));
-        progress.finish_and_clear();
-        scores
+        self.output.as_ref().map_or(Ok(()), |folder| claims.write_in("-o", folder, is_map))?;
+        for (views, scene) in self.write_views.iter().flat_map(|views| folders.iter().map(move |scene| (views, scene)))
+        {
+            let folder = views.join(scene.canonicalize()?.file_name().unwrap_or_default());
+            claims.write_in("--write-views", &folder, |name| name == "left.png" || name == "right.png")?;
+        }
+        Ok(())
     }
 }
 

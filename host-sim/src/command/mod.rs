@@ -2,6 +2,7 @@
 
 mod ablate;
 mod contours;
+mod degradation;
 mod demo;
 mod depth;
 mod eval;

@@ -5,3 +5,4 @@ pub mod geometry;
 pub mod method;
 pub mod obstacles;
 pub mod pipeline;
+pub mod smoothing;

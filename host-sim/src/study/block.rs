@@ -13,7 +13,7 @@ use super::operations::Operations;
 use super::{Outcome, Part, Setup, Table};
 use crate::score::Score;
 use crate::score::degrade::Degradation;
-use crate::score::evaluation::{Evaluator, Evidence, Mean};
+use crate::score::evaluation::{Evaluator, Mean, Source};
 use crate::score::report::format_figure;
 use crate::stereo::method::{Method, MethodKind, on_large_stack};
 
@@ -72,8 +72,7 @@ const DEGRADATIONS: [(&str, Degradation); 6] = [
     ("low light", Degradation { both_gain: 0.25, noise: 2.0, ..CLEAN }),
 ];
 
-const CLEAN: Degradation =
-    Degradation { noise: 0.0, shot_noise: 0.0, pattern_noise: 0.0, gain: 1.0, offset: 0.0, both_gain: 1.0, seed: 0 };
+const CLEAN: Degradation = Degradation::NONE;
 
 impl Entry {
     fn build(self, config: Config) -> Result<Box<dyn StereoMethod + Send>, ConfigError> {
@@ -133,8 +132,7 @@ pub fn run(setup: &Setup<'_>) -> Result<Outcome> {
 
 fn try_out(setup: &Setup<'_>, entry: Entry, frames: &'static str, degradation: Degradation) -> Result<Trial> {
     let build = |config| entry.build(config);
-    let evidence = Evidence::default();
-    let evaluator = Evaluator { build: &build, degradation, baselines: None, apart: &[], maps: None, evidence };
+    let evaluator = Evaluator { degradation, ..Evaluator::of(Source::Method(&build)) };
     let pixels = setup.scenes.iter().map(|scene| scene.pair.left.luma.len()).sum();
     let (scores, operations) = Operations::count(pixels, || evaluator.run(setup.scenes, || setup.progress.inc(1)))?;
     let scores = scores?;

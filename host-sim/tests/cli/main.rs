@@ -10,6 +10,7 @@
 mod bad_input;
 mod cases;
 mod contours;
+mod degradation;
 mod demo;
 mod depth;
 mod eval;
