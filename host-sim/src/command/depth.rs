@@ -10,7 +10,7 @@ use serde::Serialize;
 
 use super::degradation::DegradationOptions;
 use super::print;
-use super::shared::{DepthOptions, MethodOptions, MinConfidence, RangeArg, RigArg, SearchRange};
+use super::shared::{DepthOptions, MethodOptions, MinConfidence, RangeArg, RigArg, SearchRange, warn_input};
 use crate::output;
 use crate::output::claims::Claims;
 use crate::output::colour_range::ColourRange;
@@ -18,6 +18,7 @@ use crate::output::map_file::{MapKind, MapView};
 use crate::output::obstacle_strip::ObstacleStrip;
 use crate::score::degrade::replace_right;
 use crate::stereo::disparity_map::{DisparityMap, Spread};
+use crate::stereo::frame_check::FrameCheck;
 use crate::stereo::method::MethodKind;
 use crate::stereo::obstacles::{FrameObstacles, ObstacleFinder, ObstacleSummary};
 use crate::stereo::pipeline::{self, Run};
@@ -88,6 +89,8 @@ struct Summary {
     #[serde(flatten)]
     depth: Option<DepthSummary>,
     #[serde(flatten)]
+    check: FrameCheck,
+    #[serde(flatten)]
     obstacles: Option<ObstacleSummary>,
 }
 
@@ -119,8 +122,9 @@ impl Args {
         };
         let offset = rig.as_ref().map_or_else(Offset::default, |rig| rig.offset);
         let Run { mut map, elapsed } = pipeline::run_paired(&mut *method.build(config)?, offset, &pair)?;
+        let check = FrameCheck::of(&pair, offset, &map);
         map.drop_below(min_confidence);
-        let obstacles = rig.as_ref().map(|rig| Found::new(rig, &map)).transpose()?;
+        let obstacles = rig.as_ref().map(|rig| Found::new(rig, &map, &check)).transpose()?;
         if self.fill {
             map.fill_holes();
         }
@@ -135,22 +139,13 @@ impl Args {
             obstacles: strip.as_ref(),
         };
         self.write(&files, &view, obstacles.as_ref())?;
-        let mut summary = Summary::new(&map, &config, method.kind, elapsed.as_secs_f64() * 1000.0, geometry.as_ref());
+        if let Some(advice) = check.input.advice() {
+            warn_input(&format!("{}: {advice}", self.left.display()));
+        }
+        let milliseconds = elapsed.as_secs_f64() * 1000.0;
+        let mut summary = Summary::new(&map, &config, method.kind, milliseconds, geometry.as_ref(), check);
         summary.obstacles = obstacles.map(|found| found.finder.summary(&found.frame));
         print(&if self.json { serde_json::to_string(&summary)? + "\n" } else { summary.line() })
-    }
-
-    /// The views as the method gets them. What is drawn is what eval draws of a scene: by the name of the folder.
-    fn read_pair(&self) -> Result<StereoPair> {
-        let degradation = self.degradation.get()?;
-        let other = self.degradation.right_from(None)?;
-        let mut pair = StereoPair::read(&self.left, &self.right)?;
-        if let Some(other) = &other {
-            replace_right(&mut pair, other);
-        }
-        let folder = self.left.canonicalize().ok().and_then(|path| Some(path.parent()?.file_name()?.to_owned()));
-        degradation.apply(&folder.unwrap_or_default().to_string_lossy(), &mut pair);
-        Ok(pair)
     }
 
     /// The files that tell the map, with the options that ask for them.
@@ -170,6 +165,19 @@ impl Args {
             }
         }
         Ok(files)
+    }
+
+    /// The views as the method gets them. What is drawn is what eval draws of a scene: by the name of the folder.
+    fn read_pair(&self) -> Result<StereoPair> {
+        let degradation = self.degradation.get()?;
+        let other = self.degradation.right_from(None)?;
+        let mut pair = StereoPair::read(&self.left, &self.right)?;
+        if let Some(other) = &other {
+            replace_right(&mut pair, other);
+        }
+        let folder = self.left.canonicalize().ok().and_then(|path| Some(path.parent()?.file_name()?.to_owned()));
+        degradation.apply(&folder.unwrap_or_default().to_string_lossy(), &mut pair);
+        Ok(pair)
     }
 
     /// Checks every name that is to be written before anything is computed.
@@ -215,9 +223,9 @@ struct Found {
 }
 
 impl Found {
-    fn new(rig: &Description, map: &DisparityMap) -> Result<Self> {
+    fn new(rig: &Description, map: &DisparityMap, check: &FrameCheck) -> Result<Self> {
         let mut finder = ObstacleFinder::new(rig)?;
-        let frame = FrameObstacles { frame: 0, nearest_mm: finder.find(map) };
+        let frame = finder.find_checked(0, map, check);
         Ok(Self { finder, frame })
     }
 
@@ -233,6 +241,7 @@ impl Summary {
         method: MethodKind,
         milliseconds: f64,
         geometry: Option<&Geometry>,
+        check: FrameCheck,
     ) -> Self {
         let spread = map.spread();
         let depth = geometry.map(|geometry| DepthSummary::new(geometry, spread.as_ref()));
@@ -248,6 +257,7 @@ impl Summary {
             max_disparity_px: spread.map(|spread| spread.max_px),
             milliseconds,
             depth,
+            check,
             obstacles: None,
         }
     }
@@ -261,8 +271,9 @@ impl Summary {
         };
         let depth = self.depth.as_ref().map(DepthSummary::words).unwrap_or_default();
         let obstacles = self.obstacles.as_ref().map(|summary| format!(", {}", summary.words())).unwrap_or_default();
+        let check = self.check.words();
         format!(
-            "{width}x{height}, {method}, searched {min_disparity} to {last} px: {density:.2} % known, {range}{depth}{obstacles}, \
+            "{width}x{height}, {method}, searched {min_disparity} to {last} px: {density:.2} % known, {check}, {range}{depth}{obstacles}, \
              {milliseconds:.1} ms\n"
         )
     }

@@ -1,5 +1,6 @@
 //! `haarline play`: a whole recording in, its disparities out, frame by frame.
 
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
@@ -7,19 +8,21 @@ use anyhow::{Context, Result, anyhow, ensure};
 use clap::ValueEnum;
 use haarline::Config;
 use haarline_rig::Description;
+use haarline_telemetry::LEAST_FRAMES_IN_10_S;
 use serde::Serialize;
 
 use super::shared::{
     DepthOptions, LayoutKind, MethodOptions, MinConfidence, RangeArg, RigArg, SearchRange, WiringArgs, layout,
-    progress, warn_skipped,
+    progress, warn_input, warn_skipped,
 };
-use super::{Finding, print, whole_number};
+use super::{Finding, number, print, whole_number};
 use crate::input::raw_dump::{RawFormat, ViewSize};
 use crate::input::recording::{FrameRange, RecordedFrame, find_frames, find_raw_frames};
 use crate::input::rig_file;
 use crate::output::claims::Claims;
 use crate::output::map_file::MapKind;
 use crate::play::{Files, FrameReport, FrameWriter, ObstacleTotals, Player, Taken, Totals};
+use crate::stereo::frame_check::Input;
 
 /// Frames that the colours are taken from where no rig tells how many come in a second.
 const FIRST_SECOND: usize = 10;
@@ -63,6 +66,10 @@ pub(super) struct Args {
     /// each frame, as if they came at the rig's frame rate; needs --rig
     #[arg(long, value_name = "FILE", requires = "rig")]
     mavlink: Option<PathBuf>,
+    /// In these messages a sector may be told to be free: one in which nothing is found, and of whose pixels 80 % are
+    /// sure and lie beyond so many m; farther obstacles are not told then. Without it no sector ever is
+    #[arg(long, value_name = "M", requires = "mavlink", value_parser = number)]
+    free_beyond: Option<f64>,
     /// Only these frames, counted from 0 in the order of their names: A..B without B, A.. or ..B
     #[arg(long, value_name = "A..B", allow_hyphen_values = true)]
     frames: Option<FrameRange>,
@@ -92,6 +99,11 @@ struct Summary<'a> {
     mean_density: Option<f64>,
     median_disparity_px: Option<f64>,
     mean_noise: Option<f64>,
+    mean_share_sure: Option<f64>,
+    mean_mismatch_percent: Option<f64>,
+    /// Frames that are no two views of one scene, by what they are.
+    wrong_input: &'a BTreeMap<Input, usize>,
+    input_ok: bool,
     mean_milliseconds: Option<f64>,
     damaged_frames: &'a [FrameReport],
     /// What the colours of the pictures span, px.
@@ -112,6 +124,10 @@ impl Args {
         let step = usize::try_from(self.every).ok().filter(|&step| step > 0);
         let step = step.with_context(|| format!("--every {}: must be 1 or more", self.every))?;
         let rig = self.depth.rig(&self.rig, &self.search)?;
+        let free_beyond_mm = self.free_beyond_mm()?;
+        if let (Some(rig), Some(_)) = (&rig, &self.mavlink) {
+            warn_of_pace(rig.frame_rate_hz);
+        }
         let files = self.files(rig.as_ref())?;
         let frames = self.find_frames(rig.as_ref())?;
         let recorded = frames.len();
@@ -142,7 +158,7 @@ impl Args {
             Some((config, height)) => {
                 let mut player = Player::new(method, config, height, min_confidence)?;
                 if let Some(rig) = &rig {
-                    player = player.with_rig(rig)?;
+                    player = player.with_rig(rig, free_beyond_mm)?;
                 }
                 if let Some(finder) = player.obstacles() {
                     writer = writer.with_obstacles(finder, self.mavlink.as_deref())?;
@@ -155,9 +171,16 @@ impl Args {
         }
         let summary = self.summary(&totals, &writer, recorded, format);
         print(&if self.json { serde_json::to_string(&summary)? + "\n" } else { summary.text() })?;
+        warn_wrong_input(&totals);
         let damaged = totals.damaged;
         ensure!(damaged == 0, Finding(format!("{damaged} of {} were damaged and skipped", count(totals.frames))));
         Ok(())
+    }
+
+    fn free_beyond_mm(&self) -> Result<Option<u32>> {
+        let Some(metres) = self.free_beyond else { return Ok(None) };
+        ensure!((0.1..=600.0).contains(&metres), "--free-beyond {metres}: must be 0.1 to 600 m");
+        Ok(Some((metres * 1000.0) as u32))
     }
 
     /// What is written of each frame.
@@ -191,7 +214,11 @@ impl Args {
             return find_raw_frames(&self.recording, RawFormat { size, wiring });
         }
         ensure!(self.wiring.get()?.is_none(), "--wiring: is for raw dumps, add --raw WIDTHxHEIGHT");
-        find_frames(&self.recording, layout(self.layout, self.wiring.first, "--first")?)
+        ensure!(
+            self.layout.has_both() || self.wiring.first.is_none(),
+            "--first: is for frames with both views, add --layout side-by-side or top-bottom"
+        );
+        find_frames(&self.recording, layout(self.layout, self.wiring.first_with(rig))?)
     }
 
     /// All that is read.
@@ -238,6 +265,10 @@ impl Args {
             mean_density: totals.mean_density(),
             median_disparity_px: totals.median_disparity_px(),
             mean_noise: totals.mean_noise(),
+            mean_share_sure: totals.mean_share_sure(),
+            mean_mismatch_percent: totals.mean_mismatch_percent(),
+            wrong_input: &totals.wrong_input,
+            input_ok: totals.wrong_input.is_empty(),
             mean_milliseconds: totals.mean_milliseconds(),
             damaged_frames: &totals.damaged_frames,
             colours_px: writer.range().filter(|_| has_colours).map(|range| [range.min_px, range.max_px]),
@@ -279,6 +310,24 @@ fn write_damaged(mut taken: Taken, writer: &mut FrameWriter, totals: &mut Totals
     writer.write(played)
 }
 
+/// Autopilots forget what they are not told again in time.
+fn warn_of_pace(frame_rate_hz: u16) {
+    if 10 * frame_rate_hz < LEAST_FRAMES_IN_10_S {
+        warn_input(&format!(
+            "frame_rate_hz = {frame_rate_hz}: autopilots forget a distance after 0.5 s, let the rig take 3 frames a \
+             second or more"
+        ));
+    }
+}
+
+/// One warning for the whole recording: what most of the wrong frames are.
+fn warn_wrong_input(totals: &Totals) {
+    let most = totals.wrong_input.iter().max_by_key(|(_, count)| **count);
+    let Some((frames, advice)) = most.and_then(|(input, frames)| Some((frames, input.advice()?))) else { return };
+    let all = count(totals.frames - totals.damaged);
+    warn_input(&format!("{frames} of {all}: {advice}; frames.csv tells which, and while it lasts no obstacle is told"));
+}
+
 fn warn(report: &FrameReport) {
     warn_skipped(report.frame, report.error.as_deref().unwrap_or("damaged"));
 }
@@ -300,6 +349,9 @@ impl Summary<'_> {
         }
         if let Some(noise) = self.mean_noise {
             let _ = write!(text, ", noise {noise:.1} grey levels");
+        }
+        if let (Some(sure), Some(mismatch)) = (self.mean_share_sure, self.mean_mismatch_percent) {
+            let _ = write!(text, ", {sure:.1} % sure, mismatch {mismatch:.0} %");
         }
         if let Some(obstacles) = &self.obstacles {
             let _ = match (&obstacles.nearest, obstacles.nearest_obstacle_frame) {

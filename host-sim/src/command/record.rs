@@ -10,7 +10,7 @@ use serde::Serialize;
 use super::shared::{LayoutKind, WiringArgs, layout, progress, warn_skipped};
 use super::{Finding, print};
 use crate::input::raw_dump::write_frame;
-use crate::input::recording::{FrameRange, RecordedFrame, Side, find_frames};
+use crate::input::recording::{FrameRange, RecordedFrame, find_frames};
 use crate::output::claims::Claims;
 use crate::{StereoPair, output};
 
@@ -27,9 +27,6 @@ pub(super) struct Args {
     /// How the recording's views are stored
     #[arg(long, value_enum, default_value_t = LayoutKind::Auto, requires = "recording")]
     layout: LayoutKind,
-    /// Which camera the left half of the recording's side-by-side frames belongs to
-    #[arg(long, value_enum, value_name = "CAMERA", requires = "recording")]
-    layout_first: Option<Side>,
     /// Only these frames of the recording, counted from 0: A..B without B, A.. or ..B
     #[arg(long, value_name = "A..B", allow_hyphen_values = true, requires = "recording")]
     frames: Option<FrameRange>,
@@ -109,7 +106,7 @@ impl Args {
             claims.write("-o", &self.output)?;
             return Ok(vec![Source::Views(&self.views)]);
         };
-        let frames = find_frames(folder, layout(self.layout, self.layout_first, "--layout-first")?)?;
+        let frames = find_frames(folder, layout(self.layout, self.wiring.first)?)?;
         claims.read_recording(folder, frames.iter().flat_map(RecordedFrame::files));
         claims.write("-o", &self.output)?;
         let (range, recorded) = (self.frames.unwrap_or_default(), frames.len());

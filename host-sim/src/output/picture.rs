@@ -1,7 +1,7 @@
 //! Disparity maps to look at: in colours with a legend, and in grey.
 
 use anyhow::Result;
-use haarline::obstacle::MAX_SECTORS;
+use haarline::obstacle::{MAX_SECTORS, Settings};
 use image::{ExtendedColorType, Rgb, RgbImage};
 
 use super::colour_range::ColourRange;
@@ -18,6 +18,11 @@ const MAX_SCALE: usize = 8;
 /// What unknown pixels look like: a checkerboard of dark greys.
 pub(super) fn unknown_colour(x: u32, y: u32) -> Rgb<u8> {
     if (x / 4 + y / 4).is_multiple_of(2) { Rgb([38; 3]) } else { Rgb([58; 3]) }
+}
+
+/// The colour of an answer that is not sure: darker, so that what is sure stands out.
+fn dim(Rgb(colour): Rgb<u8>) -> Rgb<u8> {
+    Rgb(colour.map(|channel| (u16::from(channel) * 2 / 5 + 24) as u8))
 }
 
 /// Pixels of a picture, across and down, that show one of a map of `width` columns: small maps are enlarged.
@@ -45,13 +50,16 @@ pub fn encode(
     encode_png(picture.as_raw(), size, ExtendedColorType::Rgb8)
 }
 
-/// The map, [enlarged](scale) if it is small, at the top left, the legend right of it.
+/// The map, [enlarged](scale) if it is small, at the top left, the legend right of it. What is not sure
+/// ([`Settings::SURE`]) is dim.
 #[must_use]
 pub fn draw(map: &DisparityMap, range: &ColourRange, geometry: Option<&Geometry>) -> RgbImage {
     let scale = scale(map.width);
     let mut picture = legend::draw([map.width as u32 * scale, map.height as u32 * scale], range, geometry);
     for (index, disparity) in map.disparity.iter().enumerate() {
-        let colour = disparity.known().map(|bits| range.colour(px(bits)));
+        let is_sure = map.confidence[index] >= Settings::SURE;
+        let shade = |colour| if is_sure { colour } else { dim(colour) };
+        let colour = disparity.known().map(|bits| shade(range.colour(px(bits))));
         let (left, top) = ((index % map.width) as u32 * scale, (index / map.width) as u32 * scale);
         for (x, y) in (0..scale * scale).map(|at| (left + at % scale, top + at / scale)) {
             picture.put_pixel(x, y, colour.unwrap_or_else(|| unknown_colour(x, y)));
@@ -92,11 +100,14 @@ mod tests {
             assert_eq!(scale(width), wanted, "{width} px");
         }
         let disparity = (0..96).map(Disparity::from_px).collect();
-        let map = DisparityMap { width: 96, height: 1, disparity, confidence: vec![9; 96] };
+        let map = DisparityMap { width: 96, height: 1, disparity, confidence: vec![Settings::SURE; 96] };
         let range = ColourRange::of(&map);
         let picture = draw(&map, &range, None);
         for (x, y) in [(0, 0), (3, 3), (4, 0), (383, 3)] {
             assert_eq!(*picture.get_pixel(x, y), range.colour(f64::from(x / 4)), "{x}, {y}");
         }
+        let doubtful = draw(&DisparityMap { confidence: vec![Settings::SURE - 1; 96], ..map }, &range, None);
+        let brightness = |picture: &RgbImage| picture.get_pixel(200, 0).0.iter().map(|&c| u32::from(c)).sum::<u32>();
+        assert!(brightness(&doubtful) < brightness(&picture));
     }
 }

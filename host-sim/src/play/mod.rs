@@ -18,6 +18,7 @@ pub use writer::{Files, FrameWriter, ObstacleTotals, Played, Seen};
 
 use crate::input::recording::RecordedFrame;
 use crate::input::{noise, rig_file};
+use crate::stereo::frame_check::FrameCheck;
 use crate::stereo::method::Method;
 use crate::stereo::obstacles::ObstacleFinder;
 use crate::stereo::pipeline;
@@ -90,13 +91,18 @@ impl Player {
         Ok(Self { method: method.into().build(config)?, height, min_confidence, rig: None })
     }
 
-    /// The same for frames of that rig: takes its offsets away, and looks for obstacles.
+    /// The same for frames of that rig: takes its offsets away, and looks for obstacles, and for sectors that are free
+    /// up to a distance if one is told, mm.
     ///
     /// # Errors
     /// If the frames have another size than the rig's, or its fields do not go together.
-    pub fn with_rig(mut self, rig: &Description) -> Result<Self> {
+    pub fn with_rig(mut self, rig: &Description, free_beyond_mm: Option<u32>) -> Result<Self> {
         rig_file::check_size(rig, [self.method.config().width.into(), self.height])?;
-        self.rig = Some((rig.offset, ObstacleFinder::new(rig)?));
+        let finder = match free_beyond_mm {
+            Some(mm) => ObstacleFinder::with_free_beyond(rig, mm)?,
+            None => ObstacleFinder::new(rig)?,
+        };
+        self.rig = Some((rig.offset, finder));
         Ok(self)
     }
 
@@ -155,11 +161,12 @@ impl Player {
     fn match_one(&mut self, taken: Taken, pair: StereoPair, noise: Option<f64>) -> Result<Played> {
         let offset = self.rig.as_ref().map_or_else(Offset::default, |(offset, _)| *offset);
         let mut run = pipeline::run_paired(&mut *self.method, offset, &pair)?;
+        let check = FrameCheck::of(&pair, offset, &run.map);
         run.map.drop_below(self.min_confidence);
-        let report = FrameReport::played(&taken, &run, noise);
+        let report = FrameReport::played(&taken, &run, noise, &check);
         let map: DisparityMap = run.map;
-        let nearest_mm = self.rig.as_mut().map(|(_, finder)| finder.find(&map)).unwrap_or_default();
-        Ok(Played { name: taken.name, report, seen: Some(Seen { map, left: pair.left, nearest_mm }) })
+        let obstacles = self.rig.as_mut().map(|(_, finder)| finder.find_checked(taken.index, &map, &check));
+        Ok(Played { name: taken.name, report, seen: Some(Seen { map, left: pair.left, obstacles }) })
     }
 }
 
@@ -225,10 +232,10 @@ mod tests {
         assert_eq!(lines.len(), 4);
         assert_eq!(
             lines[0],
-            "frame,file,status,density,median_disparity_px,noise,pixels,answered,rows,rows_unknown,milliseconds,error"
+            "frame,file,status,density,median_disparity_px,noise,pixels,answered,rows,rows_unknown,milliseconds,input,mismatch_percent,share_sure,error"
         );
         assert!(lines[1].starts_with("0,a.png,ok,") && lines[1].ends_with(','), "{}", lines[1]);
-        assert!(lines[2].starts_with("1,\"b, cut.png\",damaged,,,,,,,,,"), "{}", lines[2]);
+        assert!(lines[2].starts_with("1,\"b, cut.png\",damaged,,,,,,,,,,,,"), "{}", lines[2]);
     }
 
     #[test]

@@ -6,6 +6,7 @@ use serde::{Serialize, Serializer};
 
 use super::Taken;
 use crate::stereo::disparity_map::px;
+use crate::stereo::frame_check::{FrameCheck, Input};
 use crate::stereo::pipeline::Run;
 
 /// What came of a frame: a row of `frames.csv`.
@@ -37,6 +38,14 @@ pub struct FrameReport {
     /// Time in the method.
     #[serde(serialize_with = "rounded")]
     pub milliseconds: Option<f64>,
+    /// What it is as a whole.
+    pub input: Option<Input>,
+    /// Share of what the left view shows that the right view contradicts, percent.
+    #[serde(serialize_with = "rounded")]
+    pub mismatch_percent: Option<f64>,
+    /// Share of the pixels with a sure answer, percent.
+    #[serde(serialize_with = "rounded")]
+    pub share_sure: Option<f64>,
     /// Why it could not be played.
     pub error: Option<String>,
 }
@@ -71,11 +80,14 @@ impl FrameReport {
             rows: None,
             rows_unknown: None,
             milliseconds: None,
+            input: None,
+            mismatch_percent: None,
+            share_sure: None,
             error: Some(words.split_whitespace().collect::<Vec<_>>().join(" ")),
         }
     }
 
-    pub(super) fn played(taken: &Taken, Run { map, elapsed }: &Run, noise: Option<f64>) -> Self {
+    pub(super) fn played(taken: &Taken, Run { map, elapsed }: &Run, noise: Option<f64>, check: &FrameCheck) -> Self {
         let is_unknown = |row: &&[haarline::Disparity]| !row.iter().any(|disparity| disparity.is_known());
         Self {
             frame: taken.index,
@@ -89,6 +101,9 @@ impl FrameReport {
             rows: Some(map.height),
             rows_unknown: Some(map.disparity.chunks(map.width).filter(is_unknown).count()),
             milliseconds: Some(elapsed.as_secs_f64() * 1000.0),
+            input: Some(check.input),
+            mismatch_percent: check.mismatch_percent,
+            share_sure: Some(check.share_sure),
             error: None,
         }
     }
@@ -109,8 +124,12 @@ pub struct Totals {
     pub damaged: usize,
     /// The first of them, at most [`Totals::MOST_TOLD`].
     pub damaged_frames: Vec<FrameReport>,
+    /// How many frames are what as a whole; those that are as they should be are left out.
+    pub wrong_input: BTreeMap<Input, usize>,
     density: Mean,
     noise: Mean,
+    share_sure: Mean,
+    mismatch: Mean,
     milliseconds: Mean,
     /// How many frames have which median, in raw 1/16 px.
     medians: BTreeMap<i32, usize>,
@@ -148,6 +167,11 @@ impl Totals {
         }
         self.density.add(report.density);
         self.noise.add(report.noise);
+        self.share_sure.add(report.share_sure);
+        self.mismatch.add(report.mismatch_percent);
+        if let Some(input) = report.input.filter(|&input| input != Input::Ok) {
+            *self.wrong_input.entry(input).or_default() += 1;
+        }
         self.milliseconds.add(report.milliseconds);
         if let Some(median) = report.median_disparity_px {
             *self.medians.entry((median * 16.0).round() as i32).or_default() += 1;
@@ -164,6 +188,18 @@ impl Totals {
     #[must_use]
     pub fn mean_noise(&self) -> Option<f64> {
         self.noise.get()
+    }
+
+    /// Mean share of the pixels with a sure answer, percent.
+    #[must_use]
+    pub fn mean_share_sure(&self) -> Option<f64> {
+        self.share_sure.get()
+    }
+
+    /// Mean mismatch of the views, percent.
+    #[must_use]
+    pub fn mean_mismatch_percent(&self) -> Option<f64> {
+        self.mismatch.get()
     }
 
     /// Mean time in the method.

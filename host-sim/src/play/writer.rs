@@ -34,8 +34,8 @@ pub struct Seen {
     pub map: DisparityMap,
     /// The left view.
     pub left: Frame,
-    /// With a rig, the nearest obstacle of each sector, mm.
-    pub nearest_mm: Vec<Option<u32>>,
+    /// With a rig, its obstacles.
+    pub obstacles: Option<FrameObstacles>,
 }
 
 /// What is written of each frame.
@@ -125,12 +125,13 @@ impl FrameWriter {
     /// Names the file that cannot be written.
     pub fn write(&mut self, played: Played) -> Result<()> {
         let Played { name, report, seen } = played;
-        let nearest_mm = seen.as_ref().map(|seen| seen.nearest_mm.clone()).unwrap_or_default();
+        let found = seen.as_ref().and_then(|seen| seen.obstacles.clone());
         if let Some(seen) = seen {
             self.write_seen(name, seen)?;
         }
         if let Some(obstacles) = &mut self.obstacles {
-            obstacles.write(&FrameObstacles { frame: report.frame, nearest_mm })?;
+            let none = || FrameObstacles { frame: report.frame, nearest_mm: Vec::new(), free: Vec::new() };
+            obstacles.write(&found.unwrap_or_else(none))?;
         }
         self.frames.add(&report)
     }
@@ -171,7 +172,7 @@ impl FrameWriter {
         let strip = setup.zip(geometry.as_ref()).map(|(setup, geometry)| ObstacleStrip::<MAX_SECTORS> {
             setup,
             geometry,
-            nearest_mm: &seen.nearest_mm,
+            nearest_mm: seen.obstacles.as_ref().map_or(&[], |found| &found.nearest_mm),
         });
         let view = MapView {
             map: &seen.map,

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use anyhow::{Context, Result};
-use haarline::{Config, ConfigError, StereoMethod};
+use haarline::{Config, ConfigError, Offset, StereoMethod};
 use rayon::prelude::*;
 
 use crate::output::colour_range::ColourRange;
@@ -17,6 +17,7 @@ use crate::score::scene::{Region, Scene};
 use crate::score::sure::{SURE, SureScore};
 use crate::score::{MapScore, Score};
 use crate::stereo::disparity_map::DisparityMap;
+use crate::stereo::frame_check::FrameCheck;
 use crate::stereo::{pipeline, smoothing};
 use crate::{Frame, Geometry, StereoPair, output};
 
@@ -82,6 +83,8 @@ pub struct SceneScore {
     pub apart: Vec<(Region, Option<MapScore>)>,
     /// What its sure answers are worth.
     pub sure: SureScore,
+    /// What the frame is as a whole.
+    pub check: Option<FrameCheck>,
     /// Obstacles in its map and in the truth's, if they were looked for.
     pub obstacles: Option<ObstacleScore>,
     /// OpenCV's, in the order of [`baselines::METHODS`]; `None` where the file has none.
@@ -173,10 +176,12 @@ impl<'a> Evaluator<'a> {
 
     /// Degrades, matches and scores one scene, and writes its map.
     fn score(&self, scene: &Scene) -> Result<SceneScore> {
+        let pair = self.views_of(scene)?;
         let mut map = match self.source {
             Source::Maps(folder) => map_file::read(folder, scene)?,
-            Source::Method(build) => pipeline::run(&mut *build(scene.config())?, &self.views_of(scene)?)?.map,
+            Source::Method(build) => pipeline::run(&mut *build(scene.config())?, &pair)?.map,
         };
+        let check = FrameCheck::of(&pair, Offset::default(), &map);
         if self.fill {
             map.fill_holes();
         }
@@ -190,9 +195,9 @@ impl<'a> Evaluator<'a> {
         let apart = self.apart.iter().map(|&region| (region, score_in(region, None))).collect();
         let Evidence { sure_from, obstacles } = self.evidence;
         let sure = SureScore::of(&map, &scene.truth, sure_from);
-        let obstacles = obstacles.then(|| ObstacleScore::of(scene, &map, sure_from)).transpose()?;
+        let obstacles = obstacles.then(|| ObstacleScore::of(scene, &map, sure_from, check.input_ok)).transpose()?;
         let (name, family) = (scene.name.clone(), scene.meta.family.clone());
-        Ok(SceneScore { name, family, score, apart, sure, obstacles, references })
+        Ok(SceneScore { name, family, score, apart, sure, check: Some(check), obstacles, references })
     }
 
     /// The frames of a scene as the method gets them.
@@ -252,7 +257,7 @@ mod tests {
         let apart = vec![(Region::Occluded, reference.map(score)), (Region::LeftBand, None)];
         let references = [reference.map(all), None, None];
         let (name, family, sure) = (String::new(), family.to_owned(), SureScore::default());
-        SceneScore { name, family, score: score(tot2), apart, sure, obstacles: None, references }
+        SceneScore { name, family, score: score(tot2), apart, sure, check: None, obstacles: None, references }
     }
 
     #[test]

@@ -14,6 +14,7 @@ use crate::score::obstacle_score::ObstacleScore;
 use crate::score::scene::Region;
 use crate::score::sure::SureScore;
 use crate::score::{LEAST_DEFAULT_CONFIDENCE, MapScore, Score};
+use crate::stereo::frame_check::FrameCheck;
 
 /// Everything that an evaluation found.
 #[derive(Debug)]
@@ -146,8 +147,8 @@ impl Report<'_> {
         let scene = |scene: &SceneScore| {
             let apart = scene.apart.iter().map(|(region, score)| (key_of_region(*region), score.clone()));
             let score = ScoreJson { score: scene.score.clone(), apart: apart.collect() };
-            let SceneScore { sure, obstacles, family, .. } = scene.clone();
-            (scene.name.clone(), SceneJson { score, sure, obstacles, family })
+            let SceneScore { sure, check, obstacles, family, .. } = scene.clone();
+            (scene.name.clone(), SceneJson { score, sure, check, obstacles, family })
         };
         let mean = |mean: &Mean| {
             let apart = mean.apart.iter().map(|(region, score, _)| (key_of_region(*region), Some(score.clone())));
@@ -158,6 +159,7 @@ impl Report<'_> {
             treatment: &self.treatment,
             mean: mean(self.mean),
             sure: SureJson::of(self.scenes),
+            input: evidence::count_input(self.scenes),
             obstacles: evidence::sum_of_obstacles(self.scenes),
             families: Mean::by_family(self.scenes).into_iter().map(|(family, of)| (family, mean(&of))).collect(),
             scenes: self.scenes.iter().map(scene).collect(),
@@ -192,6 +194,7 @@ struct ReportJson<'a> {
     treatment: &'a Treatment,
     mean: ScoreJson,
     sure: SureJson,
+    input: BTreeMap<&'static str, usize>,
     obstacles: Option<ObstacleScore>,
     families: BTreeMap<&'a str, ScoreJson>,
     scenes: BTreeMap<String, SceneJson>,
@@ -213,6 +216,8 @@ struct SceneJson {
     score: ScoreJson,
     #[serde(flatten)]
     sure: SureScore,
+    #[serde(flatten)]
+    check: Option<FrameCheck>,
     obstacles: Option<ObstacleScore>,
     family: String,
 }

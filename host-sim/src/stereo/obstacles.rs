@@ -5,10 +5,11 @@ use haarline::obstacle::{MAX_SECTORS, Obstacles, Settings};
 use haarline::setup::Reach;
 use haarline::{Config, DisparityRow, Setup, blocks_for};
 use haarline_rig::Description;
-use haarline_telemetry::{Link, State};
+use haarline_telemetry::{Link, Sector, State};
 use serde::Serialize;
 
 use crate::DisparityMap;
+use crate::stereo::frame_check::{FrameCheck, Trust};
 
 /// MAVLink system that the messages come from: an autopilot's, unless it was set otherwise.
 const SYSTEM: u8 = 1;
@@ -20,6 +21,8 @@ pub struct FrameObstacles {
     pub frame: usize,
     /// Distance over the ground in each sector, mm; none is unknown. Empty where there is no map.
     pub nearest_mm: Vec<Option<u32>>,
+    /// Whether each sector is measured and free; empty where that was not asked for.
+    pub free: Vec<bool>,
 }
 
 /// Looks for obstacles in maps of one rig.
@@ -29,6 +32,7 @@ pub struct ObstacleFinder {
     frame_rate_hz: u16,
     bearings_deg: Vec<i16>,
     finder: Obstacles<MAX_SECTORS, { blocks_for(Config::MAX_WIDTH) }>,
+    trust: Trust,
 }
 
 impl ObstacleFinder {
@@ -48,7 +52,24 @@ impl ObstacleFinder {
         let (plan, setup) = (description.plan()?, description.setup::<MAX_SECTORS>()?);
         let size = [setup.config.width, setup.height];
         let finder = Obstacles::new(size, setup.rig, setup.mounting, setup.sectors, settings)?;
-        Ok(Self { setup, frame_rate_hz: plan.frame_rate_hz, bearings_deg: plan.bearings_deg().collect(), finder })
+        Ok(Self {
+            setup,
+            frame_rate_hz: plan.frame_rate_hz,
+            bearings_deg: plan.bearings_deg().collect(),
+            finder,
+            trust: Trust::default(),
+        })
+    }
+
+    /// The same that looks for free sectors, too, and tells of nothing that is farther than `free_beyond_mm`.
+    ///
+    /// # Errors
+    /// As [`ObstacleFinder::new`].
+    pub fn with_free_beyond(description: &Description, free_beyond_mm: u32) -> Result<Self> {
+        let mut finder = Self::with_settings(description, Settings { free_beyond_mm, ..Settings::DEFAULT })?;
+        let reach = &mut finder.setup.reach;
+        reach.farthest_cm = u16::try_from(free_beyond_mm / 10).unwrap_or(u16::MAX).min(reach.farthest_cm);
+        Ok(finder)
     }
 
     /// Distance over the ground to the nearest obstacle of each sector, mm.
@@ -59,6 +80,18 @@ impl ObstacleFinder {
             self.finder.push(&DisparityRow { y, disparity, confidence });
         }
         self.finder.nearest_mm().collect()
+    }
+
+    /// The same in the map of the next frame of a recording, which was checked: as long as the input is not as it should
+    /// be ([`Trust`]) nothing is told, and of a frame that does not match never that a sector is free.
+    pub fn find_checked(&mut self, frame: usize, map: &DisparityMap, check: &FrameCheck) -> FrameObstacles {
+        if self.trust.take(check.input) {
+            let nearest_mm = self.find(map);
+            FrameObstacles { frame, nearest_mm, free: self.finder.free().map(|free| free && check.input_ok).collect() }
+        } else {
+            let sectors = self.setup.sectors.count;
+            FrameObstacles { frame, nearest_mm: vec![None; sectors], free: vec![false; sectors] }
+        }
     }
 
     /// The rig in integers.
@@ -155,7 +188,7 @@ pub struct MavlinkFeed {
 impl MavlinkFeed {
     /// The messages of the next frame.
     #[must_use]
-    pub fn next(&mut self, FrameObstacles { frame, nearest_mm }: &FrameObstacles) -> Vec<u8> {
+    pub fn next(&mut self, FrameObstacles { frame, nearest_mm, free }: &FrameObstacles) -> Vec<u8> {
         let mut bytes = Vec::new();
         if self.frames.is_multiple_of(self.frame_rate_hz.into()) {
             bytes.extend_from_slice(self.link.heartbeat(State::Active).as_bytes());
@@ -163,7 +196,12 @@ impl MavlinkFeed {
         self.frames += 1;
         if !nearest_mm.is_empty() {
             let time_us = *frame as u64 * (1_000_000 / u64::from(self.frame_rate_hz));
-            let message = self.link.obstacle_distance(time_us, &self.reach, nearest_mm.iter().copied());
+            let told = |(sector, &mm): (usize, &Option<u32>)| match free.get(sector) {
+                Some(true) => Sector::Free,
+                _ => mm.into(),
+            };
+            let sectors = nearest_mm.iter().enumerate().map(told);
+            let message = self.link.obstacle_distance(time_us, &self.reach, sectors);
             bytes.extend_from_slice(message.as_bytes());
         }
         bytes
@@ -207,7 +245,9 @@ mod tests {
     fn the_table_has_a_line_a_frame_and_a_column_a_sector() {
         let mut nearest_mm = vec![None; 17];
         (nearest_mm[0], nearest_mm[8]) = (Some(12_345), Some(1509));
-        let frames = [FrameObstacles { frame: 3, nearest_mm }, FrameObstacles { frame: 4, nearest_mm: Vec::new() }];
+        let free = Vec::new();
+        let none = FrameObstacles { frame: 4, nearest_mm: Vec::new(), free: Vec::new() };
+        let frames = [FrameObstacles { frame: 3, nearest_mm, free }, none];
         let csv = String::from_utf8(finder().encode_csv(&frames).unwrap()).unwrap();
         let lines: Vec<&str> = csv.lines().collect();
         assert_eq!(lines[0], "frame,-40,-35,-30,-25,-20,-15,-10,-5,0,5,10,15,20,25,30,35,40");

@@ -35,7 +35,10 @@ fn a_shifted_pair_gives_the_shift_with_every_method() {
     for shift in [0, 1, 6, 13] {
         let bench = bench_with_plane(shift);
         for method in METHODS {
-            bench.succeeds(&format!("depth left.png right.png --num-disparities 16 --method {method} -o map.pfm"));
+            let line = format!("depth left.png right.png --num-disparities 16 --method {method} -o map.pfm");
+            // Without a shift both views are the same image.
+            let told = if shift == 0 { bench.succeeds_on_odd_views(&line) } else { bench.succeeds(&line) };
+            assert_eq!(told.stderr.contains("same image"), shift == 0);
             let map = pfm(&bench, "map.pfm");
             assert_eq!((map.width, map.height), (WIDTH, HEIGHT));
             let share = share_at(&map, 16, shift as f32);
@@ -115,7 +118,7 @@ fn several_outputs_tell_the_same_map() {
 #[test]
 fn a_known_disparity_of_zero_is_1_in_a_png_and_no_point() {
     let bench = bench_with_plane(0);
-    bench.succeeds("depth left.png right.png -o m.pfm -o m.png -o m.ply --focal-px 200 --baseline-mm 60");
+    bench.succeeds_on_odd_views("depth left.png right.png -o m.pfm -o m.png -o m.ply --focal-px 200 --baseline-mm 60");
     let (map, kitti) = (pfm(&bench, "m.pfm"), png16(&bench.read("m.png")));
     let zeros: Vec<usize> = (0..map.px.len()).filter(|&index| map.px[index] == 0.0).collect();
     assert!(zeros.len() > map.px.len() / 4, "{} pixels at 0 px", zeros.len());
@@ -321,7 +324,10 @@ fn where_nothing_is_known_the_figures_are_null_and_all_files_are_written() {
     Pair::blank(WIDTH, HEIGHT).write(&bench);
     let files = "-o m.pfm -o m.png -o m.ply --picture p.png --grey g.png --confidence c.png";
     let line = format!("depth left.png right.png --focal-px 200 --baseline-mm 60 {files}");
-    let summary = bench.succeeds(&format!("{line} --json")).json();
+    let outcome = bench.succeeds_on_odd_views(&format!("{line} --json"));
+    assert!(outcome.stderr.contains("nothing to see"), "{}", outcome.stderr);
+    let summary = outcome.json();
+    assert_eq!((&summary["input_ok"], &summary["input"]), (&false.into(), &"nothing-seen".into()), "{summary}");
     let map = pfm(&bench, "m.pfm");
     assert_eq!((summary["density"].as_f64(), map.known().len()), (Some(0.0), 0), "{summary}");
     for key in ["min_disparity_px", "median_disparity_px", "max_disparity_px", "nearest_depth_mm"] {
@@ -331,7 +337,7 @@ fn where_nothing_is_known_the_figures_are_null_and_all_files_are_written() {
     assert!(png8(&bench.read("g.png")).into_iter().chain(png8(&bench.read("c.png"))).all(|sample| sample == 0));
     assert_eq!(vertices(&bench.read("m.ply")), []);
     assert!(png(&bench.read("p.png")).width() as usize > WIDTH);
-    assert!(bench.succeeds(&line).stdout.contains("no disparity known"));
+    assert!(bench.succeeds_on_odd_views(&line).stdout.contains("no disparity known"));
 }
 
 #[test]
