@@ -171,7 +171,7 @@ impl Args {
     fn read_pair(&self) -> Result<StereoPair> {
         let degradation = self.degradation.get()?;
         let other = self.degradation.right_from(None)?;
-        let mut pair = StereoPair::read(&self.left, &self.right)?;
+        let mut pair = StereoPair::read_shrunk(&self.left, &self.right, self.depth.shrink)?;
         if let Some(other) = &other {
             replace_right(&mut pair, other);
         }

@@ -7,7 +7,7 @@ use anyhow::{Context, Result, bail, ensure};
 use haarline::Wiring;
 use serde::Serialize;
 
-use super::shared::{LayoutKind, WiringArgs, layout, progress, warn_skipped};
+use super::shared::{LayoutArgs, WiringArgs, progress, warn_skipped};
 use super::{Finding, print};
 use crate::input::raw_dump::write_frame;
 use crate::input::recording::{FrameRange, RecordedFrame, find_frames};
@@ -24,9 +24,8 @@ pub(super) struct Args {
     /// A recording instead, as for haarline play: all its frames one after the other
     #[arg(long, value_name = "DIR")]
     recording: Option<PathBuf>,
-    /// How the recording's views are stored
-    #[arg(long, value_enum, default_value_t = LayoutKind::Auto, requires = "recording")]
-    layout: LayoutKind,
+    #[command(flatten)]
+    layout: LayoutArgs,
     /// Only these frames of the recording, counted from 0: A..B without B, A.. or ..B
     #[arg(long, value_name = "A..B", allow_hyphen_values = true, requires = "recording")]
     frames: Option<FrameRange>,
@@ -106,7 +105,7 @@ impl Args {
             claims.write("-o", &self.output)?;
             return Ok(vec![Source::Views(&self.views)]);
         };
-        let frames = find_frames(folder, layout(self.layout, self.wiring.first)?)?;
+        let frames = find_frames(folder, self.layout.get(self.wiring.first)?)?;
         claims.read_recording(folder, frames.iter().flat_map(RecordedFrame::files));
         claims.write("-o", &self.output)?;
         let (range, recorded) = (self.frames.unwrap_or_default(), frames.len());

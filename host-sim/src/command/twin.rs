@@ -14,6 +14,7 @@ use serde::Serialize;
 
 use super::shared::{LayoutKind, RigArg, SearchRange, WiringArgs, layout};
 use super::{Finding, natural_number, number, print};
+use crate::input::frame::Shrink;
 use crate::input::raw_dump::{RawFormat, ViewSize};
 use crate::input::recording::{Side, find_frames};
 use crate::output;
@@ -154,7 +155,7 @@ struct Summary {
 
 impl Args {
     pub(super) fn run(self) -> Result<()> {
-        let rig = self.rig.read(&self.search, [None; 2])?;
+        let rig = self.rig.read(&self.search, [None; 2], Shrink::NONE)?;
         let footage = self.read(rig.as_ref())?;
         let ViewSize { width, height } = footage.format.size;
         let (width, height) = (usize::from(width), usize::from(height));

@@ -3,7 +3,10 @@
 use std::path::Path;
 
 use anyhow::{Result, anyhow, ensure};
+use haarline::Offset;
 use haarline_rig::Description;
+
+use super::frame::Shrink;
 
 /// Reads the description in `path`.
 ///
@@ -14,6 +17,25 @@ pub fn read(path: &Path) -> Result<Description> {
     ensure!(!path.is_dir(), "{name}: is a folder, where a rig description is expected");
     let text = std::fs::read_to_string(path).map_err(|error| anyhow!("{name}: cannot be read: {error}"))?;
     Description::parse(&text).map_err(|error| anyhow!("{name}: {error}"))
+}
+
+/// The rig of views that are shrunk. Offsets are rounded to whole pixels of these, the search reaches as far.
+#[must_use]
+pub fn shrunk(rig: &Description, shrink: Shrink) -> Description {
+    let k = shrink.factor() as i32;
+    let side = |side: u16| shrink.of(side.into()) as u16;
+    let whole = |px: i32| (f64::from(px) / f64::from(k)).round() as i32;
+    let (first, end) = (i32::from(rig.min_disparity), rig.max_disparity() + 1);
+    let min_disparity = first.div_euclid(k);
+    Description {
+        width: side(rig.width),
+        height: side(rig.height),
+        focal_px: rig.focal_px / f64::from(k),
+        offset: Offset { rows: whole(rig.offset.rows.into()) as _, columns: whole(rig.offset.columns.into()) as _ },
+        min_disparity: min_disparity as i16,
+        num_disparities: ((end + k - 1).div_euclid(k) - min_disparity) as u16,
+        ..rig.clone()
+    }
 }
 
 /// Refuses views of another size than the rig's.

@@ -18,20 +18,23 @@ fn bench() -> Bench {
         bench.write(&format!("take/right/{name}.png"), encode(&pair.right_image(), ImageFormat::Png));
     }
     bench.succeeds("record left.png right.png -o take.raw --wiring line");
-    bench.succeeds("rig new rig.toml");
-    let rig = fs::read_to_string(bench.path("rig.toml")).unwrap();
-    let set = |rig: &str, key: &str, value: &str| {
-        let line = |line: &str| if line.starts_with(key) { format!("{key} = {value}\n") } else { format!("{line}\n") };
-        rig.lines().map(line).collect::<String>()
-    };
-    let rig = [("width", "96"), ("height", "24"), ("num_disparities", "16"), ("focal_px", "100.0")]
-        .iter()
-        .fold(rig, |rig, (key, value)| set(&rig, key, value));
-    bench.write("rig.toml", &rig);
+    write_rig(&bench, &[("width", 96), ("height", 24), ("num_disparities", 16), ("focal_px", 100)]);
     bench.write("maps/frames.csv", "packets");
     bench.write("maps/000000.pfm", fs::read(bench.path("take.raw")).unwrap());
     bench.write("maps/a_picture.png", bench.read("left.png"));
     bench
+}
+
+/// The file `rig.toml` with these values and else those of a new one.
+pub fn write_rig(bench: &Bench, values: &[(&str, usize)]) {
+    bench.succeeds("rig new rig.toml");
+    let text = String::from_utf8(bench.read("rig.toml")).unwrap();
+    let line = |line: &str| {
+        let told = values.iter().find(|(key, _)| line.split([' ', '=']).next() == Some(key));
+        let point = if line.starts_with("focal_px") { ".0" } else { "" };
+        told.map_or_else(|| format!("{line}\n"), |(key, value)| format!("{key} = {value}{point}\n"))
+    };
+    bench.write("rig.toml", text.lines().map(line).collect::<String>());
 }
 
 /// Refused with one of these reasons, and nothing changed.
