@@ -50,7 +50,7 @@ impl Args {
             ensure!(!self.noise[..index].contains(noise), "--noise {noise}: is given twice");
         }
         let folders = self.benchmark.folders()?;
-        self.check_outputs()?;
+        self.check_outputs(&folders)?;
         let scenes = evaluation::load(&folders)?;
         let baselines = self.benchmark.read_baselines()?;
         let ablation = Ablation { scenes: &scenes, baselines: baselines.as_ref(), seed: self.seed };
@@ -60,13 +60,10 @@ impl Args {
         self.deliver(&json)
     }
 
-    fn check_outputs(&self) -> Result<()> {
-        let files = [("--json", self.json.file()), ("--csv", self.csv.as_deref())];
-        for (option, path) in files {
-            path.map_or(Ok(()), |path| output::check_writable(option, path))?;
-        }
-        if let [(_, Some(json)), (_, Some(csv))] = files {
-            ensure!(!output::is_same_file(json, csv), "--csv {}: the name is given twice", csv.display());
+    fn check_outputs(&self, folders: &[PathBuf]) -> Result<()> {
+        let mut claims = self.benchmark.claims(folders);
+        for (option, path) in [("--json", self.json.file()), ("--csv", self.csv.as_deref())] {
+            path.map_or(Ok(()), |path| claims.write(option, path))?;
         }
         Ok(())
     }

@@ -2,11 +2,12 @@
 
 use std::path::PathBuf;
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result};
 
 use super::{print, whole_number};
 use crate::Frame;
 use crate::output;
+use crate::output::claims::Claims;
 use crate::output::contour_picture::ContourPicture;
 
 /// Arguments of `haarline contours`.
@@ -38,8 +39,9 @@ impl Args {
             .ok()
             .with_context(|| format!("--half-support {half_support}: must be 1 px or more"))?;
         output::check_png_name("-o", &output)?;
-        output::check_writable("-o", &output)?;
-        ensure!(!output::is_same_file(&output, &image), "-o {}: is the image, give another name", output.display());
+        let mut claims = Claims::new();
+        claims.read([&image]);
+        claims.write("-o", &output)?;
         let frame = Frame::read_of_any_size(&image)?;
         let contours = ContourPicture { half_support, columns, decimated };
         let mut picture = contours.draw(&frame)?;

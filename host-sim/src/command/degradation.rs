@@ -95,12 +95,20 @@ impl DegradationOptions {
         let named = scenes.map(|scenes| scenes.join(path)).filter(|folder| folder.is_dir());
         let path = named.as_ref().unwrap_or(path);
         ensure!(path.exists(), "--right-from {}: there is no such scene", path.display());
-        let view = if path.is_dir() { path.join("right.png") } else { path.clone() };
-        Frame::read_of_any_size(&view).map(Some)
+        Frame::read_of_any_size(&view_of(path)).map(Some)
+    }
+
+    /// The image of that view, if it is told by its path.
+    pub(super) fn right_from_file(&self) -> Option<PathBuf> {
+        self.right_from.as_deref().map(view_of)
     }
 
     /// What stands for the other scene in a report.
     pub(super) fn right_from_name(&self) -> Option<String> {
         self.right_from.as_ref().map(|path| path.display().to_string())
     }
+}
+
+fn view_of(scene: &Path) -> PathBuf {
+    if scene.is_dir() { scene.join("right.png") } else { scene.to_owned() }
 }

@@ -12,6 +12,7 @@ use super::degradation::DegradationOptions;
 use super::print;
 use super::shared::{DepthOptions, MethodOptions, MinConfidence, RangeArg, RigArg, SearchRange, warn_input};
 use crate::output;
+use crate::output::claims::Claims;
 use crate::output::colour_range::ColourRange;
 use crate::output::map_file::{MapKind, MapView};
 use crate::output::obstacle_strip::ObstacleStrip;
@@ -170,7 +171,7 @@ impl Args {
     fn read_pair(&self) -> Result<StereoPair> {
         let degradation = self.degradation.get()?;
         let other = self.degradation.right_from(None)?;
-        let mut pair = StereoPair::read(&self.left, &self.right)?;
+        let mut pair = StereoPair::read_shrunk(&self.left, &self.right, self.depth.shrink)?;
         if let Some(other) = &other {
             replace_right(&mut pair, other);
         }
@@ -188,20 +189,12 @@ impl Args {
                 path.display()
             );
         }
-        let mut taken: Vec<PathBuf> = Vec::new();
+        let mut claims = Claims::new();
+        claims.read([&self.left, &self.right].into_iter().chain(self.rig.path()));
+        claims.read(self.degradation.right_from_file());
         let table = self.obstacles.iter().map(|path| ("--obstacles", path.as_path()));
-        for (option, path) in files.iter().map(|(option, _, path)| (*option, *path)).chain(table) {
-            output::check_writable(option, path)?;
-            let same_as = |other: &Path| output::is_same_file(path, other);
-            ensure!(
-                !same_as(&self.left) && !same_as(&self.right),
-                "{option} {}: is one of the views, give another name",
-                path.display()
-            );
-            ensure!(!taken.iter().any(|other| same_as(other)), "{option} {}: the name is given twice", path.display());
-            taken.push(path.to_owned());
-        }
-        Ok(())
+        let mut files = files.iter().map(|(option, _, path)| (*option, *path)).chain(table);
+        files.try_for_each(|(option, path)| claims.write(option, path))
     }
 
     /// Writes every file, after the content of all is known.

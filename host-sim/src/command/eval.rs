@@ -8,7 +8,6 @@ use anyhow::{Result, bail, ensure};
 use super::Finding;
 use super::degradation::DegradationOptions;
 use super::shared::{Benchmark, JsonOutput, MethodOptions, progress};
-use crate::output;
 use crate::score::evaluation::{self, Evaluator, Evidence, Mean, Source};
 use crate::score::report::{Report, Treatment};
 use crate::score::scene::Region;
@@ -100,7 +99,7 @@ impl Args {
         let folders = self.benchmark.folders()?;
         let scenes = evaluation::load(&folders)?;
         let baselines = self.benchmark.read_baselines()?;
-        self.check_outputs()?;
+        self.check_outputs(&folders)?;
         let widest = scenes.iter().map(|scene| scene.pair.width()).max().unwrap_or(0);
         let level = baselines.as_ref().map(|baselines| baselines.level(widest, &degradation));
         let baselines = baselines.as_ref().zip(level.as_ref());
@@ -144,21 +143,18 @@ impl Args {
         check_limits(&self.fail_over, &mean.score)
     }
 
-    fn check_outputs(&self) -> Result<()> {
-        if let Some(path) = self.json.file() {
-            output::check_writable("--json", path)?;
-        }
-        for (option, folder) in [("-o", &self.output), ("--write-views", &self.write_views)] {
-            folder.as_ref().map_or(Ok(()), |folder| output::prepare_folder(option, folder))?;
-        }
-        if let (Some(maps), Some(output)) = (&self.maps, &self.output) {
-            ensure!(!output::is_same_file(maps, output), "-o {}: has the maps that are read", output.display());
-        }
-        if let Some(views) = &self.write_views {
-            let scenes = &self.benchmark.scenes;
-            let is_input = output::is_same_file(views, scenes)
-                || scenes.parent().is_some_and(|folder| output::is_same_file(views, folder));
-            ensure!(!is_input, "--write-views {}: would overwrite the scenes' views", views.display());
+    fn check_outputs(&self, folders: &[PathBuf]) -> Result<()> {
+        let mut claims = self.benchmark.claims(folders);
+        claims.read(self.degradation.right_from_file());
+        let maps = self.maps.iter().filter_map(|folder| folder.read_dir().ok()).flatten().filter_map(Result::ok);
+        claims.read(maps.map(|map| map.path()));
+        self.json.file().map_or(Ok(()), |path| claims.write("--json", path))?;
+        let is_map = |name: &str| [".pfm", "_confidence.png", "_picture.png"].iter().any(|end| name.ends_with(end));
+        self.output.as_ref().map_or(Ok(()), |folder| claims.write_in("-o", folder, is_map))?;
+        for (views, scene) in self.write_views.iter().flat_map(|views| folders.iter().map(move |scene| (views, scene)))
+        {
+            let folder = views.join(scene.canonicalize()?.file_name().unwrap_or_default());
+            claims.write_in("--write-views", &folder, |name| name == "left.png" || name == "right.png")?;
         }
         Ok(())
     }

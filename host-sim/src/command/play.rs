@@ -12,15 +12,17 @@ use haarline_telemetry::LEAST_FRAMES_IN_10_S;
 use serde::Serialize;
 
 use super::shared::{
-    DepthOptions, LayoutKind, MethodOptions, MinConfidence, RangeArg, RigArg, SearchRange, WiringArgs, layout,
-    progress, warn_input, warn_skipped,
+    DepthOptions, LayoutArgs, MethodOptions, MinConfidence, RangeArg, RigArg, SearchRange, WiringArgs, progress,
+    warn_input, warn_skipped,
 };
 use super::{Finding, number, print, whole_number};
 use crate::input::raw_dump::{RawFormat, ViewSize};
-use crate::input::recording::{FrameRange, RecordedFrame, find_frames, find_raw_frames};
+use crate::input::raw_stream::RawStream;
+use crate::input::recording::{FrameRange, find_frames, find_raw_frames};
 use crate::input::rig_file;
-use crate::output;
+use crate::output::claims::Claims;
 use crate::output::map_file::MapKind;
+use crate::play::source::Source;
 use crate::play::{Files, FrameReport, FrameWriter, ObstacleTotals, Player, Taken, Totals};
 use crate::stereo::frame_check::Input;
 
@@ -32,9 +34,9 @@ const MOST_HELD: usize = 30;
 /// Arguments of `haarline play`.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
-    /// Folder with the folders left and right, whose images belong together by name, or in their order
-    /// where no name is in both; or folder of images with both views (--layout side-by-side); or a file
-    /// with the bytes a camera port stored (--raw)
+    /// Folder with images of both cameras, in folders left and right or as datasets have them, which belong
+    /// together by name, number or time; or of images with both views (--layout side-by-side, top-bottom); or
+    /// a file with the bytes a camera port stored (--raw), or - for a stream of these without end, as from ffmpeg
     recording: PathBuf,
     /// Where everything goes, frame by frame: <frame>.pfm, <frame>_picture.png, frames.csv; with --rig
     /// obstacles.csv, the nearest obstacle in each direction, cm
@@ -43,12 +45,11 @@ pub(super) struct Args {
     /// What is written of each frame
     #[arg(long, value_enum, value_name = "KIND,...", value_delimiter = ',', default_value = "disparity,picture")]
     write: Vec<MapKind>,
-    /// How the views are stored
-    #[arg(long, value_enum, default_value_t = LayoutKind::Auto, conflicts_with = "raw")]
-    layout: LayoutKind,
+    #[command(flatten)]
+    layout: LayoutArgs,
     /// The recording is a raw dump, frame after frame without any header; the size is that of one view,
     /// px, whatever the wiring (a frame has twice as many bytes as a view has pixels)
-    #[arg(long, value_name = "WIDTHxHEIGHT")]
+    #[arg(long, value_name = "WIDTHxHEIGHT", conflicts_with_all = ["layout", "left_views"])]
     raw: Option<ViewSize>,
     #[command(flatten)]
     wiring: WiringArgs,
@@ -129,18 +130,10 @@ impl Args {
             warn_of_pace(rig.frame_rate_hz);
         }
         let files = self.files(rig.as_ref())?;
-        let frames = self.find_frames(rig.as_ref())?;
-        let recorded = frames.len();
-        let range = self.frames.unwrap_or_default();
-        let frames = range.choose(frames, step);
-        ensure!(
-            !frames.is_empty(),
-            "--frames {range}: the recording has {recorded} frames only, counted from 0: the last one is {}",
-            recorded - 1
-        );
-        // The first frame that can be read tells the size of all.
-        let size = frames.iter().find_map(|frame| frame.read().ok()).map(|pair| (pair.width() as u16, pair.height()));
-        let format = match size {
+        let mut source = self.source(rig.as_ref())?;
+        let claims = self.claims(&source);
+        let recorded = source.choose(self.frames.unwrap_or_default(), step)?;
+        let format = match source.size(self.depth.shrink) {
             Some((width, height)) => {
                 if let Some(rig) = &rig {
                     rig_file::check_size(rig, [width.into(), height])?;
@@ -150,7 +143,7 @@ impl Args {
             }
             None => None,
         };
-        self.check_output()?;
+        self.check_output(claims, &files.kinds)?;
         let mut writer = FrameWriter::begin(files)?;
         let mut totals = Totals::default();
         match format {
@@ -162,13 +155,12 @@ impl Args {
                 if let Some(finder) = player.obstacles() {
                     writer = writer.with_obstacles(finder, self.mavlink.as_deref())?;
                 }
-                play(&mut player, &frames, &mut writer, &mut totals)?;
+                play(&mut player, source, &mut writer, &mut totals)?;
             }
-            None => {
-                frames.iter().map(Taken::of).try_for_each(|taken| write_damaged(taken, &mut writer, &mut totals))?
-            }
+            None => source.taken().try_for_each(|taken| write_damaged(taken, &mut writer, &mut totals))?,
         }
-        let summary = self.summary(&totals, &writer, recorded, format);
+        ensure!(totals.frames > 0, "{}: ended before there was one frame", self.recording.display());
+        let summary = self.summary(&totals, &writer, recorded.unwrap_or(totals.frames), format);
         print(&if self.json { serde_json::to_string(&summary)? + "\n" } else { summary.text() })?;
         warn_wrong_input(&totals);
         let damaged = totals.damaged;
@@ -204,42 +196,49 @@ impl Args {
         Ok(Files { folder: self.output.clone(), kinds, geometry, max_depth_m, range, first_second })
     }
 
-    fn find_frames(&self, rig: Option<&Description>) -> Result<Vec<RecordedFrame>> {
-        if let Some(size) = self.raw {
-            if let Some(rig) = rig {
-                rig_file::check_size(rig, [size.width.into(), size.height.into()])?;
-            }
-            let wiring = self.wiring.get_with(rig)?;
-            return find_raw_frames(&self.recording, RawFormat { size, wiring });
+    fn source(&self, rig: Option<&Description>) -> Result<Source> {
+        let shrink = self.depth.shrink;
+        let Some(size) = self.raw else {
+            ensure!(self.wiring.get()?.is_none(), "--wiring: is for raw dumps, add --raw WIDTHxHEIGHT");
+            ensure!(
+                !RawStream::is_one(&self.recording),
+                "a stream has no sizes in it: add --raw WIDTHxHEIGHT and --wiring"
+            );
+            ensure!(
+                self.layout.layout.has_both() || self.wiring.first.is_none(),
+                "--first: is for frames with both views, add --layout side-by-side or top-bottom"
+            );
+            let frames = find_frames(&self.recording, self.layout.get(self.wiring.first_with(rig))?)?;
+            return Ok(Source::recorded(frames, shrink));
+        };
+        if let Some(rig) = rig {
+            let (width, height) = (shrink.of(size.width.into()), shrink.of(size.height.into()));
+            rig_file::check_size(rig, [width as usize, height as usize])?;
         }
-        ensure!(self.wiring.get()?.is_none(), "--wiring: is for raw dumps, add --raw WIDTHxHEIGHT");
-        ensure!(
-            self.layout.has_both() || self.wiring.first.is_none(),
-            "--first: is for frames with both views, add --layout side-by-side or top-bottom"
-        );
-        find_frames(&self.recording, layout(self.layout, self.wiring.first_with(rig))?)
+        let format = RawFormat { size, wiring: self.wiring.get_with(rig)? };
+        if RawStream::is_one(&self.recording) {
+            return Source::stream(&self.recording, format, shrink);
+        }
+        Ok(Source::recorded(find_raw_frames(&self.recording, format)?, shrink))
     }
 
-    /// Refuses to write among the frames: pictures would be frames of the next run, and a list of the
-    /// recording might have the name of ours.
-    fn check_output(&self) -> Result<()> {
-        let folders = ["", "left", "right"].map(|name| self.recording.join(name));
-        for folder in folders {
-            ensure!(
-                !output::is_same_file(&folder, &self.output),
-                "-o {}: is a folder of the recording, give another one",
-                self.output.display()
-            );
-        }
-        if let Some(path) = &self.mavlink {
-            output::check_writable("--mavlink", path)?;
-            ensure!(
-                !output::is_same_file(path, &self.recording),
-                "--mavlink {}: is the recording, give another name",
-                path.display()
-            );
-        }
-        output::prepare_folder("-o", &self.output)
+    /// All that is read.
+    fn claims(&self, source: &Source) -> Claims<'static> {
+        let mut claims = Claims::new();
+        claims.read(self.rig.path());
+        claims.read_recording(&self.recording, source.files());
+        claims
+    }
+
+    /// Refuses to replace what is read, and to write among the frames: pictures would be frames of the next
+    /// run.
+    fn check_output(&self, mut claims: Claims<'_>, kinds: &[MapKind]) -> Result<()> {
+        self.mavlink.as_ref().map_or(Ok(()), |path| claims.write("--mavlink", path))?;
+        let endings: Vec<String> = kinds.iter().map(|kind| kind.ending().to_owned()).collect();
+        let is_ours = move |name: &str| {
+            ["frames.csv", "obstacles.csv"].contains(&name) || endings.iter().any(|ending| name.ends_with(ending))
+        };
+        claims.write_in("-o", &self.output, is_ours)
     }
 
     fn summary<'a>(
@@ -288,8 +287,8 @@ impl Args {
 }
 
 /// Plays with a progress bar; each damaged frame is told as it comes.
-fn play(player: &mut Player, frames: &[RecordedFrame], writer: &mut FrameWriter, totals: &mut Totals) -> Result<()> {
-    let bar = progress(frames.len(), "frames")?;
+fn play(player: &mut Player, source: Source, writer: &mut FrameWriter, totals: &mut Totals) -> Result<()> {
+    let bar = progress(source.known_length().unwrap_or(0), "frames")?;
     let done = |report: &FrameReport| {
         if !report.is_ok() {
             bar.suspend(|| warn(report));
@@ -297,7 +296,7 @@ fn play(player: &mut Player, frames: &[RecordedFrame], writer: &mut FrameWriter,
         totals.add(report);
         bar.inc(1);
     };
-    let played = player.play(frames.iter().map(Taken::of), writer, done);
+    let played = player.play(source.taken(), writer, done);
     bar.finish_and_clear();
     played
 }

@@ -10,6 +10,7 @@ use serde::Serialize;
 use super::shared::MinConfidence;
 use super::{Finding, print};
 use crate::input::packet_stream::{PacketStream, ReceivedFrame};
+use crate::output::claims::Claims;
 use crate::output::growing::GrowingTable;
 use crate::output::{self, pfm};
 
@@ -51,7 +52,9 @@ impl Args {
         let name = self.packets.display();
         let unreadable = |error: io::Error| anyhow!("{name}: cannot be read: {error}");
         let mut packets = open(&self.packets).map_err(unreadable)?;
-        output::prepare_folder("-o", &self.output)?;
+        let mut claims = Claims::new();
+        claims.read([&self.packets]);
+        claims.write_in("-o", &self.output, |name| name == "frames.csv" || name.ends_with(".pfm"))?;
         let mut maps = Maps::begin(&self.output, min_confidence)?;
         let (mut stream, mut piece) = (PacketStream::new(), vec![0; PIECE]);
         loop {

@@ -7,10 +7,11 @@ use anyhow::{Context, Result, bail, ensure};
 use haarline::Wiring;
 use serde::Serialize;
 
-use super::shared::{LayoutKind, WiringArgs, layout, progress, warn_skipped};
+use super::shared::{LayoutArgs, WiringArgs, progress, warn_skipped};
 use super::{Finding, print};
 use crate::input::raw_dump::write_frame;
 use crate::input::recording::{FrameRange, RecordedFrame, find_frames};
+use crate::output::claims::Claims;
 use crate::{StereoPair, output};
 
 /// Arguments of `haarline record`.
@@ -23,9 +24,8 @@ pub(super) struct Args {
     /// A recording instead, as for haarline play: all its frames one after the other
     #[arg(long, value_name = "DIR")]
     recording: Option<PathBuf>,
-    /// How the recording's views are stored
-    #[arg(long, value_enum, default_value_t = LayoutKind::Auto, requires = "recording")]
-    layout: LayoutKind,
+    #[command(flatten)]
+    layout: LayoutArgs,
     /// Only these frames of the recording, counted from 0: A..B without B, A.. or ..B
     #[arg(long, value_name = "A..B", allow_hyphen_values = true, requires = "recording")]
     frames: Option<FrameRange>,
@@ -72,7 +72,6 @@ impl Args {
     pub(super) fn run(self) -> Result<()> {
         let wiring = self.wiring.get_required()?;
         let sources = self.sources()?;
-        output::check_writable("-o", &self.output)?;
         let mut told = None;
         output::write_with(&self.output, |file| {
             let mut dump = Dump { wiring, file, size: None, frames: 0 };
@@ -98,15 +97,17 @@ impl Args {
         Ok(())
     }
 
+    /// What is read; the dump may be none of it.
     fn sources(&self) -> Result<Vec<Source<'_>>> {
+        let mut claims = Claims::new();
+        claims.read(&self.views);
         let Some(folder) = &self.recording else {
-            for view in &self.views {
-                let is_view = output::is_same_file(view, &self.output);
-                ensure!(!is_view, "-o {}: is one of the views, give another name", self.output.display());
-            }
+            claims.write("-o", &self.output)?;
             return Ok(vec![Source::Views(&self.views)]);
         };
-        let frames = find_frames(folder, layout(self.layout, self.wiring.first)?)?;
+        let frames = find_frames(folder, self.layout.get(self.wiring.first)?)?;
+        claims.read_recording(folder, frames.iter().flat_map(RecordedFrame::files));
+        claims.write("-o", &self.output)?;
         let (range, recorded) = (self.frames.unwrap_or_default(), frames.len());
         let frames = range.choose(frames, 1);
         ensure!(!frames.is_empty(), "--frames {range}: the recording has {recorded} frames only, counted from 0");

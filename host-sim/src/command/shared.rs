@@ -13,11 +13,13 @@ use haarline_rig::Description;
 use indicatif::{ProgressBar, ProgressState, ProgressStyle};
 
 use super::{number, print, whole_number};
+use crate::input::frame::Shrink;
 use crate::input::recording::{Layout, Side};
 use crate::output;
+use crate::output::claims::Claims;
 use crate::output::colour_range::ColourRange;
 use crate::score::baselines::Baselines;
-use crate::score::scene::{find_scenes, read_meta};
+use crate::score::scene::{self, find_scenes, read_meta};
 use crate::score::split::{Half, halves};
 use crate::stereo::method::{Method, MethodKind, check_config};
 use crate::{Geometry, input::rig_file};
@@ -68,15 +70,25 @@ pub(super) struct RigArg {
 }
 
 impl RigArg {
+    /// Its file, if there is one.
+    pub(super) fn path(&self) -> Option<&PathBuf> {
+        self.rig.as_ref()
+    }
+
     /// The description, if there is one, with the search range, focal length in px and baseline in mm of the
     /// options where these tell some.
-    pub(super) fn read(&self, search: &SearchRange, geometry: [Option<f64>; 2]) -> Result<Option<Description>> {
+    pub(super) fn read(
+        &self,
+        search: &SearchRange,
+        [focal_px, baseline_mm]: [Option<f64>; 2],
+        shrink: Shrink,
+    ) -> Result<Option<Description>> {
         let Some(path) = &self.rig else { return Ok(None) };
         let mut rig = rig_file::read(path)?;
+        rig.focal_px = focal_px.unwrap_or(rig.focal_px);
+        rig = rig_file::shrunk(&rig, shrink);
         let config = search.or(&rig).config(rig.width)?;
         (rig.min_disparity, rig.num_disparities) = (config.min_disparity, config.num_disparities);
-        let [focal_px, baseline_mm] = geometry;
-        rig.focal_px = focal_px.unwrap_or(rig.focal_px);
         rig.baseline_mm = baseline_mm.unwrap_or(rig.baseline_mm);
         // Refuses what is not positive, in the options' words.
         Geometry::new(rig.focal_px, rig.baseline_mm)?;
@@ -97,19 +109,26 @@ pub(super) struct DepthOptions {
     /// Leaves what is farther out of depth images and point clouds, m
     #[arg(long, value_name = "M", allow_hyphen_values = true, value_parser = number)]
     max_depth: Option<f64>,
+    /// Makes one pixel, their mean, of K x K of both views, 1 to 8; focal length and rig are those of the views as
+    /// they are and follow, the options of the search mean the small ones
+    #[arg(long, value_name = "K", default_value = "1", hide_default_value = true)]
+    pub(super) shrink: Shrink,
 }
 
 impl DepthOptions {
     /// The rig, with the values of these options where they tell some.
     pub(super) fn rig(&self, rig: &RigArg, search: &SearchRange) -> Result<Option<Description>> {
-        rig.read(search, [self.focal_px, self.baseline_mm])
+        rig.read(search, [self.focal_px, self.baseline_mm], self.shrink)
     }
 
     /// Focal length and baseline, if they are known; `rig` has what the options told already.
     pub(super) fn geometry(&self, rig: Option<&Description>) -> Result<Option<Geometry>> {
         match rig {
             Some(rig) => Geometry::of_rig(rig).map(Some),
-            None => Geometry::from_options(self.focal_px, self.baseline_mm),
+            None => {
+                let focal_px = self.focal_px.map(|focal_px| focal_px / f64::from(self.shrink.factor()));
+                Geometry::from_options(focal_px, self.baseline_mm)
+            }
         }
     }
 
@@ -214,6 +233,30 @@ impl MinConfidence {
         u8::try_from(*min_confidence)
             .ok()
             .with_context(|| format!("--min-confidence {min_confidence}: must be 0 to 255"))
+    }
+}
+
+/// Where the two views are.
+#[derive(Debug, clap::Args)]
+pub(super) struct LayoutArgs {
+    /// How the views are stored
+    #[arg(long, value_enum, default_value_t = LayoutKind::Auto)]
+    pub(super) layout: LayoutKind,
+    /// The left views below the recording's folder, as 'cam_a/*.png'; with --right
+    #[arg(id = "left_views", long = "left", value_name = "GLOB", requires = "right_views", conflicts_with = "layout")]
+    left: Option<String>,
+    /// The right views
+    #[arg(id = "right_views", long = "right", value_name = "GLOB", requires = "left_views", conflicts_with = "layout")]
+    right: Option<String>,
+}
+
+impl LayoutArgs {
+    /// The layout; `first` is the camera of the left or upper half, if something tells it.
+    pub(super) fn get(&self, first: Option<Side>) -> Result<Layout> {
+        match (&self.left, &self.right) {
+            (Some(left), Some(right)) => Ok(Layout::Patterns { left: left.clone(), right: right.clone() }),
+            _ => layout(self.layout, first),
+        }
     }
 }
 
@@ -380,9 +423,25 @@ impl Benchmark {
 
     /// OpenCV's figures, if a file is named or found.
     pub(super) fn read_baselines(&self) -> Result<Option<Baselines>> {
-        let found = || Baselines::find(&self.scenes);
-        self.baselines.clone().or_else(found).map(|path| Baselines::read(&path)).transpose()
+        self.baselines_file().map(|path| Baselines::read(&path)).transpose()
     }
+
+    fn baselines_file(&self) -> Option<PathBuf> {
+        self.baselines.clone().or_else(|| Baselines::find(&self.scenes))
+    }
+
+    /// The scenes in `folders` and OpenCV's figures as files that are read.
+    pub(super) fn claims(&self, folders: &[PathBuf]) -> Claims<'static> {
+        let mut claims = Claims::new();
+        claims.read(self.baselines_file());
+        read_scenes(&mut claims, folders);
+        claims
+    }
+}
+
+/// The scenes' files are read.
+pub(super) fn read_scenes(claims: &mut Claims<'_>, folders: &[PathBuf]) {
+    claims.read(folders.iter().flat_map(|folder| scene::FILES.map(|file| folder.join(file))));
 }
 
 /// The folders of the scenes in `scenes` that `only` names, or of all.

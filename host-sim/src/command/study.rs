@@ -7,8 +7,9 @@ use anyhow::Result;
 use clap::ValueEnum;
 use clap::builder::PossibleValue;
 
-use super::shared::{progress, quoted, scene_folders};
+use super::shared::{progress, quoted, read_scenes, scene_folders};
 use super::{natural_number, print};
+use crate::output::claims::Claims;
 use crate::score::scene::Scene;
 use crate::study::page::{Origin, page};
 use crate::study::{Outcome, Part, STUDIES, Setup, Study, Table, rendered};
@@ -66,7 +67,10 @@ impl Args {
             Some(folders) => evaluation::load(folders)?,
             None => rendered::scenes(self.seed),
         };
-        output::prepare_folder("-o", &self.output)?;
+        let mut claims = Claims::new();
+        read_scenes(&mut claims, folders.as_deref().unwrap_or_default());
+        let is_ours = |name: &str| [".csv", ".svg", ".html"].iter().any(|end| name.ends_with(end));
+        claims.write_in("-o", &self.output, is_ours)?;
         let scenes_name = self.describe_scenes(scenes.len());
         let studies = match self.name {
             Choice::One(study) => vec![study],

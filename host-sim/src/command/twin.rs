@@ -14,9 +14,11 @@ use serde::Serialize;
 
 use super::shared::{LayoutKind, RigArg, SearchRange, WiringArgs, layout};
 use super::{Finding, natural_number, number, print};
+use crate::input::frame::Shrink;
 use crate::input::raw_dump::{RawFormat, ViewSize};
 use crate::input::recording::{Side, find_frames};
 use crate::output;
+use crate::output::claims::Claims;
 use crate::score::degrade::Degradation;
 use crate::stereo::method::MethodKind;
 use crate::stereo::obstacles::{FrameObstacles, ObstacleFinder};
@@ -158,7 +160,7 @@ struct Summary {
 
 impl Args {
     pub(super) fn run(self) -> Result<()> {
-        let rig = self.rig.read(&self.search, [None; 2])?;
+        let rig = self.rig.read(&self.search, [None; 2], Shrink::NONE)?;
         let footage = self.read(rig.as_ref())?;
         let ViewSize { width, height } = footage.format.size;
         let (width, height) = (usize::from(width), usize::from(height));
@@ -178,12 +180,7 @@ impl Args {
         let fault = self.fault.clone();
         let request = Request { config, height, recorded, frames, keep, method, wiring, fault, plan };
         request.check()?;
-        if let Some(path) = &self.output {
-            output::check_writable("-o", path)?;
-        }
-        if let Some(path) = &self.obstacles {
-            output::check_writable("--obstacles", path)?;
-        }
+        self.claim(recorded.max(frames), rig.as_ref())?;
 
         let elf = self.elf.clone().map_or_else(elf::find, Ok)?;
         let program = fs::read(&elf).with_context(|| format!("{}: cannot be read", elf.display()))?;
@@ -265,6 +262,27 @@ impl Args {
             .into_iter()
             .map(|frame| Ok((frame.name.clone(), frame.read()?)))
             .collect()
+    }
+
+    /// No map of one of the first `frames` frames, nor the table, may be one of the files that are read.
+    fn claim(&self, frames: u32, rig: Option<&Description>) -> Result<()> {
+        let mut claims = Claims::new();
+        claims.read(self.left.iter().chain(&self.right).chain(&self.elf).chain(self.rig.path()));
+        match &self.recording {
+            Some(file) if self.raw.is_some() => claims.read([file]),
+            Some(folder) => {
+                let frames = find_frames(folder, layout(self.layout, self.wiring.first_with(rig))?)?;
+                frames.iter().for_each(|frame| claims.read(frame.files()));
+            }
+            None => {}
+        }
+        if let Some(path) = &self.output {
+            claims.write("-o", path)?;
+            (0..frames)
+                .skip(usize::from(frames == 1))
+                .try_for_each(|frame| claims.write("-o", &numbered(path, frame)))?;
+        }
+        self.obstacles.as_ref().map_or(Ok(()), |path| claims.write("--obstacles", path))
     }
 
     fn write(&self, maps: &BTreeMap<u32, DisparityMap>) -> Result<()> {

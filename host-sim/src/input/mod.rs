@@ -6,5 +6,6 @@ pub mod image_file;
 pub mod noise;
 pub mod packet_stream;
 pub mod raw_dump;
+pub mod raw_stream;
 pub mod recording;
 pub mod rig_file;

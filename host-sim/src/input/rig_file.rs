@@ -5,6 +5,7 @@ use std::path::Path;
 use anyhow::{Result, anyhow, ensure};
 use haarline_rig::Description;
 
+use super::frame::Shrink;
 use crate::rig::import;
 
 /// Reads the description in `path`.
@@ -21,6 +22,28 @@ pub fn read(path: &Path) -> Result<Description> {
         }
         None => anyhow!("{name}: {error}"),
     })
+}
+
+/// The rig of views that are shrunk. The column offset is rounded to whole pixels of these, the search reaches as far.
+#[must_use]
+pub fn shrunk(rig: &Description, shrink: Shrink) -> Description {
+    let k = shrink.factor() as i32;
+    let side = |side: u16| shrink.of(side.into()) as u16;
+    let whole = |px: i32| (f64::from(px) / f64::from(k)).round() as i32;
+    let (first, end) = (i32::from(rig.min_disparity), rig.max_disparity() + 1);
+    let min_disparity = first.div_euclid(k);
+    Description {
+        width: side(rig.width),
+        height: side(rig.height),
+        focal_px: rig.focal_px / f64::from(k),
+        row_offset: rig.row_offset / f64::from(k),
+        column_offset: whole(rig.column_offset.into()) as i16,
+        principal: rig.principal.map(|at| at.map(|px| (px + 0.5) / f64::from(k) - 0.5)),
+        doffs: rig.doffs / f64::from(k),
+        min_disparity: min_disparity as i16,
+        num_disparities: ((end + k - 1).div_euclid(k) - min_disparity) as u16,
+        ..rig.clone()
+    }
 }
 
 /// Refuses views of another size than the rig's.

@@ -1,6 +1,7 @@
 //! Files that come out: written beside the target and renamed, so that nothing half-written ever has
 //! the final name.
 
+pub mod claims;
 pub mod colour_range;
 pub mod contour_picture;
 pub mod depth_png;

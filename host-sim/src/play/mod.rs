@@ -4,6 +4,7 @@
 //! between them is bounded, whatever the recording's length.
 
 mod report;
+pub mod source;
 mod writer;
 
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};

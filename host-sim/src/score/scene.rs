@@ -18,7 +18,7 @@ use crate::stereo::method::check_config;
 use crate::{DisparityMap, StereoPair};
 
 /// The files that a scene consists of.
-const FILES: [&str; 5] = ["left.png", "right.png", "truth.png", "nonocc.png", "meta.json"];
+pub const FILES: [&str; 5] = ["left.png", "right.png", "truth.png", "nonocc.png", "meta.json"];
 /// The rig that it was seen by: may be missing.
 pub const RIG_FILE: &str = "rig.toml";
 

@@ -219,8 +219,8 @@ fn outputs_over_the_views_or_each_other() {
     let bench = usual();
     fs::create_dir(bench.path("sub")).unwrap();
     for name in ["left.png", "right.png", "./left.png", "sub/../right.png"] {
-        depth_refuses(&bench, &format!("-o {name}"), &["-o", name, "one of the views"]);
-        depth_refuses(&bench, &format!("--picture {name}"), &["--picture", name, "one of the views"]);
+        depth_refuses(&bench, &format!("-o {name}"), &["-o", name, "one of the files that are read"]);
+        depth_refuses(&bench, &format!("--picture {name}"), &["--picture", name, "one of the files that are read"]);
     }
     depth_refuses(&bench, "-o ./map.pfm", &["map.pfm", "twice"]);
     depth_refuses(&bench, "-o m.png --grey m.png", &["--grey", "m.png", "twice"]);

@@ -131,8 +131,8 @@ fn impossible_degradations_are_refused() {
         bench.refuses(&format!("depth scenes/bench/left.png scenes/bench/right.png {options}"), &[told]);
     }
     bench.refuses("eval scenes --random --right-from bench", &["--right-from", "--random"]);
-    bench.refuses("eval scenes --write-views scenes", &["--write-views", "overwrite"]);
-    bench.refuses("eval scenes/bench --write-views scenes", &["--write-views", "overwrite"]);
+    bench.refuses("eval scenes --write-views scenes", &["--write-views", "would be replaced"]);
+    bench.refuses("eval scenes/bench --write-views scenes", &["--write-views", "would be replaced"]);
 }
 
 #[test]

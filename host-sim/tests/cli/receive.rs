@@ -95,7 +95,7 @@ fn pixels_of_less_confidence_are_unknown_in_its_maps() {
 
 /// The most memory that it took so far, KiB.
 #[cfg(target_os = "linux")]
-fn peak_memory(process: &Child) -> u64 {
+pub fn peak_memory(process: &Child) -> u64 {
     let status = fs::read_to_string(format!("/proc/{}/status", process.id())).unwrap();
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:")).unwrap();
     line.split_whitespace().next().unwrap().parse().unwrap()

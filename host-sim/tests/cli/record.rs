@@ -129,7 +129,7 @@ fn options_that_do_not_fit_are_refused() {
         ("record left.png right.png -o e.raw --wiring frame", &["frame", "side-by-side"]),
         ("record left.png right.png -o e.raw --wiring line --skew left", &["--skew left", "--wiring pixel"]),
         ("record left.png right.png --recording take -o e.raw --wiring line", &["--recording"]),
-        ("record left.png right.png -o left.png --wiring line", &["left.png", "one of the views"]),
+        ("record left.png right.png -o left.png --wiring line", &["left.png", "one of the files that are read"]),
         ("record left.png right.png -o no/e.raw --wiring line", &["no/e.raw"]),
         ("record left.png none.png -o e.raw --wiring line", &["none.png"]),
         ("record --recording none -o e.raw --wiring line", &["none", "no such folder"]),

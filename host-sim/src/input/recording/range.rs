@@ -18,8 +18,15 @@ impl FrameRange {
     /// If `step` is 0.
     #[must_use]
     pub fn choose<T>(&self, frames: Vec<T>, step: usize) -> Vec<T> {
-        let end = self.end.unwrap_or(frames.len());
-        frames.into_iter().take(end).skip(self.first).step_by(step).collect()
+        self.choose_from(frames.into_iter(), step).collect()
+    }
+
+    /// The same of frames that come one after the other. None is asked for after the end.
+    ///
+    /// # Panics
+    /// If `step` is 0.
+    pub fn choose_from<I: Iterator>(&self, frames: I, step: usize) -> impl Iterator<Item = I::Item> + use<I> {
+        frames.take(self.end.unwrap_or(usize::MAX)).skip(self.first).step_by(step)
     }
 }
 
