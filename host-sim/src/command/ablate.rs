@@ -7,8 +7,8 @@ use serde::Serialize;
 
 use super::shared::{Benchmark, JsonOutput, progress};
 use super::{natural_number, number};
-use crate::ablation::{self, Ablation, Trial, Variant};
-use crate::{evaluation, output};
+use crate::score::ablation::{self, Ablation, Trial, Variant};
+use crate::{output, score::evaluation};
 
 /// Arguments of `haarline ablate`.
 #[derive(Debug, clap::Args)]

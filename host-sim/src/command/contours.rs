@@ -6,8 +6,8 @@ use anyhow::{Context, Result, ensure};
 
 use super::{print, whole_number};
 use crate::Frame;
-use crate::contour_picture::ContourPicture;
 use crate::output;
+use crate::output::contour_picture::ContourPicture;
 
 /// Arguments of `haarline contours`.
 #[derive(Debug, clap::Args)]

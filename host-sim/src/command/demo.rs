@@ -4,16 +4,16 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
 use clap::ValueEnum;
-use image::ExtendedColorType;
 use serde::Serialize;
 
 use super::{natural_number, number, print};
-use crate::method::MethodKind;
 use crate::output::picture::{self, ColourRange};
-use crate::output::{self, encode_grey_png, encode_png};
-use crate::pipeline::{self, Run};
-use crate::scene::Meta;
+use crate::output::{self, encode_grey_png};
 use crate::score::Score;
+use crate::score::scene::Meta;
+use crate::stereo::method::MethodKind;
+use crate::stereo::pipeline::{self, Run};
+use crate::synthetic::folder::{self, NamedFile};
 use crate::synthetic::{BlankScore, Rendering, Scene};
 use crate::{DisparityMap, Geometry};
 
@@ -79,9 +79,6 @@ struct Figures {
     files: Vec<&'static str>,
 }
 
-/// A file's name, what it shows, and its content.
-type NamedFile = (&'static str, &'static str, Vec<u8>);
-
 impl Args {
     pub(super) fn run(self) -> Result<()> {
         let noise = self.noise;
@@ -130,26 +127,15 @@ impl Args {
     }
 }
 
-/// The scene in the layout that `haarline eval` reads.
+/// The scene in the layout that `haarline eval` reads; blank surfaces are not scored.
 fn scene_files(scene: &Scene, rendering: &Rendering, focal_px: f64) -> Result<[NamedFile; 5]> {
-    let (pair, truth) = (&rendering.pair, rendering.textured_truth());
-    let size = [scene.width, scene.height];
-    let disparity: Vec<u8> = truth.disparity_q8.iter().flat_map(|sample| sample.to_ne_bytes()).collect();
-    let mask: Vec<u8> = truth.seen_by_both.iter().map(|&seen| if seen { 255 } else { 0 }).collect();
     let meta = Meta {
         num_disparities: scene.num_disparities,
         family: "synthetic".to_owned(),
         focal_px: Some(focal_px),
         baseline_mm: Some(BASELINE_MM),
     };
-    let meta = serde_json::to_string_pretty(&meta)? + "\n";
-    Ok([
-        ("left.png", "left view", encode_grey_png(&pair.left.luma, size)?),
-        ("right.png", "right view", encode_grey_png(&pair.right.luma, size)?),
-        ("truth.png", "true disparity x 256", encode_png(&disparity, size, ExtendedColorType::L16)?),
-        ("nonocc.png", "white where both cameras see texture: what is scored", encode_grey_png(&mask, size)?),
-        ("meta.json", "search range, focal length, baseline", meta.into_bytes()),
-    ])
+    folder::files(scene, &rendering.pair, &rendering.textured_truth(), &meta)
 }
 
 /// The core's answer, and the truth in the same colours.

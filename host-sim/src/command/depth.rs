@@ -10,14 +10,14 @@ use serde::Serialize;
 
 use super::shared::{MethodOptions, MinConfidence, RigArg, SearchRange};
 use super::{number, print};
-use crate::disparity_map::{DisparityMap, Spread};
-use crate::method::MethodKind;
-use crate::obstacles::{FrameObstacles, ObstacleFinder};
 use crate::output::obstacle_strip::ObstacleStrip;
 use crate::output::picture::{self, ColourRange};
 use crate::output::{self, MapKind};
-use crate::pipeline::{self, Run};
-use crate::{Frame, Geometry, StereoPair, rig_file};
+use crate::stereo::disparity_map::{DisparityMap, Spread};
+use crate::stereo::method::MethodKind;
+use crate::stereo::obstacles::{FrameObstacles, ObstacleFinder};
+use crate::stereo::pipeline::{self, Run};
+use crate::{Frame, Geometry, StereoPair, input::rig_file};
 
 /// Arguments of `haarline depth`.
 #[derive(Debug, clap::Args)]

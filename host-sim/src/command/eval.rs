@@ -7,14 +7,14 @@ use anyhow::{Result, bail, ensure};
 
 use super::shared::{Benchmark, JsonOutput, MethodOptions, progress};
 use super::{Finding, natural_number, number};
-use crate::baselines::{Baselines, Level};
-use crate::degrade::Degradation;
-use crate::evaluation::{self, Evaluator, Mean, SceneScore};
-use crate::method::Method;
 use crate::output;
-use crate::report::Report;
-use crate::scene::Scene;
-use crate::score::{Figure, Score};
+use crate::score::baselines::{Baselines, Level};
+use crate::score::degrade::Degradation;
+use crate::score::evaluation::{self, Evaluator, Mean, SceneScore};
+use crate::score::report::Report;
+use crate::score::scene::{Region, Scene};
+use crate::score::{Figure, MapScore, Score};
+use crate::stereo::method::Method;
 
 /// Arguments of `haarline eval`.
 #[derive(Debug, clap::Args)]
@@ -44,20 +44,32 @@ pub(super) struct Args {
     /// Seed of the noise
     #[arg(long, value_name = "S", default_value_t = 0, allow_hyphen_values = true, value_parser = natural_number)]
     seed: u64,
+    /// Scores what is hidden from the right camera, too, apart
+    #[arg(long)]
+    occluded: bool,
+    /// Scores the columns left of the number of disparities, too, apart
+    #[arg(long)]
+    left_band: bool,
     #[command(flatten)]
     json: JsonOutput,
     /// Writes <scene>.pfm, <scene>_confidence.png and <scene>_picture.png of every scene
     #[arg(short, long = "output", value_name = "DIR")]
     output: Option<PathBuf>,
-    /// Ends with exit status 1 if the mean of a figure is over a limit, as in tot2=9.5; any number of times
+    /// Ends with exit status 1 if the mean of a figure is over a limit, as in tot2=9.5, or default_tot2=9.5 for
+    /// the default answers; any number of times
     #[arg(long, value_name = "KEY=VALUE")]
     fail_over: Vec<Limit>,
 }
 
+/// What the keys of figures of the default answers begin with.
+const OF_DEFAULT: &str = "default_";
+
 /// A figure of the mean, and what it may be at most.
 #[derive(Debug, Clone)]
 struct Limit {
+    key: String,
     figure: Figure,
+    of_default: bool,
     most: f64,
 }
 
@@ -67,10 +79,11 @@ impl FromStr for Limit {
     fn from_str(text: &str) -> Result<Self, String> {
         let (key, value) = text.split_once('=').ok_or("must be KEY=VALUE, as in tot2=9.5")?;
         let keys = || Score::FIGURES.map(|(key, _)| key).join(", ");
-        let figure = Score::FIGURES.into_iter().find(|figure| figure.0 == key);
+        let (name, of_default) = key.strip_prefix(OF_DEFAULT).map_or((key, false), |name| (name, true));
+        let figure = Score::FIGURES.into_iter().find(|figure| figure.0 == name);
         let figure = figure.ok_or_else(|| format!("there is no figure {key:?}, but {}", keys()))?;
         match value.parse() {
-            Ok(most) if f64::is_finite(most) => Ok(Self { figure, most }),
+            Ok(most) if f64::is_finite(most) => Ok(Self { key: key.to_owned(), figure, of_default, most }),
             _ => Err(format!("the limit {value:?} is no number")),
         }
     }
@@ -135,7 +148,11 @@ impl Args {
         baselines: Option<(&Baselines, &Level)>,
     ) -> Result<Vec<SceneScore>> {
         let build = |config| method.build(config);
-        let evaluator = Evaluator { build: &build, degradation, baselines, maps: self.output.as_deref() };
+        let regions = [(self.occluded, Region::Occluded), (self.left_band, Region::LeftBand)];
+        let apart: Vec<Region> =
+            regions.into_iter().filter_map(|(is_asked, region)| is_asked.then_some(region)).collect();
+        let evaluator =
+            Evaluator { build: &build, degradation, baselines, apart: &apart, maps: self.output.as_deref() };
         let progress = progress(scenes.len(), "scenes")?;
         let scores = evaluator.run(scenes, || progress.inc(1));
         progress.finish_and_clear();
@@ -144,10 +161,10 @@ impl Args {
 }
 
 /// Refuses a mean with a figure over its limit, or without a figure that is limited.
-fn check_limits(limits: &[Limit], mean: &Score) -> Result<()> {
+fn check_limits(limits: &[Limit], mean: &MapScore) -> Result<()> {
     let mut over = Vec::new();
-    for Limit { figure: (key, figure), most } in limits {
-        match figure(mean) {
+    for Limit { key, figure: (_, figure), of_default, most } in limits {
+        match figure(if *of_default { &mean.default_answers } else { &mean.all }) {
             Some(value) if value <= *most => {}
             Some(value) => over.push(format!("{key} is {value:.3}, over the limit of {most}")),
             None => over.push(format!("{key} is undefined, where at most {most} is asked for")),
@@ -160,24 +177,28 @@ fn check_limits(limits: &[Limit], mean: &Score) -> Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::score::confidence_classes::ConfidenceClasses;
 
-    fn score(tot2: f64) -> Score {
-        let (bad1, bad2, epe, bad2_at_bm_density, auc) = (None, None, None, None, None);
-        Score { density: 0.0, bad1, bad2, tot1: 100.0, tot2, epe, bad2_at_bm_density, auc }
+    fn score(tot2: f64) -> MapScore {
+        let all = Score { tot1: 100.0, tot2, ..Score::default() };
+        let default_answers = Score { tot2: tot2 + 1.0, ..all };
+        MapScore { all, default_answers, confidence_classes: ConfidenceClasses::mean(&[]) }
     }
 
     #[test]
     fn a_limit_is_kept_up_to_the_limit_itself() {
         let limits = |text: &str| vec![text.parse::<Limit>().unwrap()];
-        assert!(check_limits(&limits("tot2=9.5"), &score(9.5)).is_ok());
-        let error = check_limits(&limits("tot2=9.5"), &score(9.501)).unwrap_err();
-        assert!(error.is::<Finding>());
+        for text in ["tot2=9.5", "default_tot2=10.5"] {
+            assert!(check_limits(&limits(text), &score(9.5)).is_ok());
+            let error = check_limits(&limits(text), &score(9.501)).unwrap_err();
+            assert!(error.is::<Finding>() && error.to_string().contains(text.split('=').next().unwrap()), "{error}");
+        }
         assert!(check_limits(&limits("bad2=9.5"), &score(1.0)).is_err(), "undefined is no pass");
     }
 
     #[test]
     fn a_limit_needs_a_known_key_and_a_number() {
-        for text in ["tot2", "tot3=1", "tot2=", "tot2=x", "tot2=NaN", "=1"] {
+        for text in ["tot2", "tot3=1", "tot2=", "tot2=x", "tot2=NaN", "=1", "default_=1", "default_tot3=1"] {
             assert!(text.parse::<Limit>().is_err(), "{text}");
         }
     }

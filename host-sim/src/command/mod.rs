@@ -9,6 +9,7 @@ mod play;
 mod receive;
 mod record;
 mod rig;
+mod scene;
 mod shared;
 mod study;
 mod twin;
@@ -41,6 +42,8 @@ enum Command {
     Eval(eval::Args),
     /// Renders a scene with known truth and shows what the core makes of it
     Demo(demo::Args),
+    /// Renders families of scenes with exact truth, for haarline eval
+    Scene(scene::Args),
     /// A whole recording in, disparity maps and pictures out, frame by frame
     Play(play::Args),
     /// A pair or a recording in, the bytes a camera port would store of it out
@@ -115,6 +118,7 @@ impl Cli {
             Command::Depth(args) => args.run()?,
             Command::Eval(args) => args.run()?,
             Command::Demo(args) => args.run()?,
+            Command::Scene(args) => args.run()?,
             Command::Play(args) => args.run()?,
             Command::Record(args) => args.run()?,
             Command::Rig(args) => args.run()?,

@@ -12,11 +12,11 @@ use super::shared::{
     LayoutKind, MethodOptions, MinConfidence, RigArg, SearchRange, WiringArgs, layout, progress, warn_skipped,
 };
 use super::{Finding, print, whole_number};
+use crate::input::raw_dump::{RawFormat, ViewSize};
+use crate::input::recording::{FrameRange, RecordedFrame, find_frames, find_raw_frames};
+use crate::input::rig_file;
 use crate::output;
-use crate::playback::{FrameReport, Player, encode_csv, report_damaged};
-use crate::raw_dump::{RawFormat, ViewSize};
-use crate::recording::{FrameRange, RecordedFrame, find_frames, find_raw_frames};
-use crate::rig_file;
+use crate::play::{FrameReport, Player, encode_csv, report_damaged};
 
 /// Arguments of `haarline play`.
 #[derive(Debug, clap::Args)]

@@ -1,25 +1,32 @@
 //! `haarline receive`: the row packets that a chip sent as disparity maps.
 
-use std::collections::HashMap;
-use std::fmt::Write;
-use std::fs;
-use std::path::PathBuf;
+use std::fs::File;
+use std::io::{self, ErrorKind, Read};
+use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Result, anyhow, ensure};
 use serde::Serialize;
 
+use super::shared::MinConfidence;
 use super::{Finding, print};
+use crate::input::packet_stream::{PacketStream, ReceivedFrame};
+use crate::output::growing::GrowingTable;
 use crate::output::{self, pfm};
-use crate::packet_stream::{PacketStream, ReceivedFrame};
+
+/// Bytes that are read at once.
+const PIECE: usize = 16 << 10;
 
 /// Arguments of `haarline receive`.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
-    /// The bytes as they came over the serial line
+    /// The bytes as they came over the serial line; - is the standard input. Each frame is written as soon as it
+    /// ended
     packets: PathBuf,
-    /// Where the maps go: <number>.pfm, and frames.csv; <number>_1.pfm and so on if the sender began anew
+    /// Where the maps go: <number>.pfm, and frames.csv; <number>_1.pfm and so on after the sender began anew
     #[arg(short, long = "output", value_name = "DIR")]
     output: PathBuf,
+    #[command(flatten)]
+    min_confidence: MinConfidence,
     /// Prints the summary as JSON
     #[arg(long)]
     json: bool,
@@ -31,84 +38,142 @@ struct Summary {
     packets: u64,
     damaged: u64,
     lost: u64,
+    repeated: u64,
     restarts: u64,
     frames: usize,
     whole: usize,
+    empty: u64,
 }
 
 impl Args {
     pub(super) fn run(self) -> Result<()> {
-        let bytes = fs::read(&self.packets).with_context(|| self.packets.display().to_string())?;
+        let min_confidence = self.min_confidence.get()?;
+        let name = self.packets.display();
+        let unreadable = |error: io::Error| anyhow!("{name}: cannot be read: {error}");
+        let mut packets = open(&self.packets).map_err(unreadable)?;
         output::prepare_folder("-o", &self.output)?;
-        let mut stream = PacketStream::new();
-        let mut frames = stream.push(&bytes);
-        frames.extend(stream.finish());
-        for (frame, name) in frames.iter().zip(names(frames.iter().map(|frame| frame.number))) {
-            output::write(&self.output.join(name), &pfm::encode(&frame.map))?;
+        let mut maps = Maps::begin(&self.output, min_confidence)?;
+        let (mut stream, mut piece) = (PacketStream::new(), vec![0; PIECE]);
+        loop {
+            match packets.read(&mut piece) {
+                Ok(0) => break,
+                Ok(count) => stream.push(&piece[..count]).try_for_each(|frame| maps.add(frame))?,
+                Err(error) if error.kind() == ErrorKind::Interrupted => {}
+                Err(error) => return Err(unreadable(error)),
+            }
         }
-        output::write(&self.output.join("frames.csv"), table(&frames).as_bytes())?;
-        let tally = stream.tally();
-        let whole = frames.iter().filter(|frame| frame.is_whole).count();
+        stream.finish().into_iter().try_for_each(|frame| maps.add(frame))?;
+        let (tally, Maps { frames, whole, .. }) = (stream.tally(), maps);
         let summary = Summary {
             packets: tally.packets,
             damaged: tally.damaged,
             lost: tally.lost,
+            repeated: tally.repeated,
             restarts: tally.restarts,
-            frames: frames.len(),
+            frames,
             whole,
+            empty: tally.empty,
         };
         print(&if self.json { serde_json::to_string(&summary)? + "\n" } else { summary.text() })?;
-        ensure!(!frames.is_empty(), Finding("no frame came: are these the bytes of the row packets' port?".to_owned()));
+        ensure!(frames > 0, Finding("no frame came: are these the bytes of the row packets' port?".to_owned()));
+        Ok(())
+    }
+}
+
+fn open(path: &Path) -> io::Result<Box<dyn Read>> {
+    Ok(if path == Path::new("-") { Box::new(io::stdin().lock()) } else { Box::new(File::open(path)?) })
+}
+
+/// The maps as they come.
+struct Maps<'a> {
+    folder: &'a Path,
+    min_confidence: u8,
+    table: GrowingTable,
+    names: Names,
+    frames: usize,
+    whole: usize,
+}
+
+impl<'a> Maps<'a> {
+    fn begin(folder: &'a Path, min_confidence: u8) -> Result<Self> {
+        let table = GrowingTable::create(&folder.join("frames.csv"))?;
+        Ok(Self { folder, min_confidence, table, names: Names::default(), frames: 0, whole: 0 })
+    }
+
+    fn add(&mut self, mut frame: ReceivedFrame) -> Result<()> {
+        frame.map.drop_below(self.min_confidence);
+        output::write(&self.folder.join(self.names.next(frame.number)), &pfm::encode(&frame.map))?;
+        self.table.add(&Row::of(&frame))?;
+        self.frames += 1;
+        self.whole += usize::from(frame.is_whole);
         Ok(())
     }
 }
 
 /// The files' names by the frames' numbers, which a sender that begins anew gives again.
-fn names(numbers: impl Iterator<Item = u32>) -> impl Iterator<Item = String> {
-    let mut times = HashMap::new();
-    numbers.map(move |number| {
-        let before = times.entry(number).or_insert(0_u32);
-        let again = if *before > 0 { format!("_{before}") } else { String::new() };
-        *before += 1;
-        format!("{number:06}{again}.pfm")
-    })
+#[derive(Debug, Default)]
+struct Names {
+    last: Option<u32>,
+    /// Times that the numbers went back.
+    restarts: u64,
+}
+
+impl Names {
+    fn next(&mut self, number: u32) -> String {
+        self.restarts += u64::from(self.last.is_some_and(|last| number <= last));
+        self.last = Some(number);
+        match self.restarts {
+            0 => format!("{number:06}.pfm"),
+            restarts => format!("{number:06}_{restarts}.pfm"),
+        }
+    }
 }
 
 impl Summary {
     fn text(&self) -> String {
-        let Self { packets, damaged, lost, restarts, frames, whole } = self;
+        let Self { packets, damaged, lost, repeated, restarts, frames, whole, empty } = self;
         format!(
-            "{frames} frames, {whole} of them whole; {packets} packets, {damaged} damaged, {lost} lost; \
-             the sender began anew {restarts} times\n"
+            "{frames} frames, {whole} of them whole, {empty} more without a single row; {packets} packets, \
+             {damaged} damaged, {lost} lost, {repeated} repeated; the sender began anew {restarts} times\n"
         )
     }
 }
 
 /// A line for each frame: what came of it, and the chip's counters at its end.
-fn table(frames: &[ReceivedFrame]) -> String {
-    let mut text = String::from(
-        "frame,whole,missing_rows,frames,rows,dropped_rows,dropped_frames,overruns,short,long,stalled,dma_errors\n",
-    );
-    for frame in frames {
+#[derive(Debug, Serialize)]
+struct Row {
+    frame: u32,
+    whole: u8,
+    missing_rows: usize,
+    frames: u32,
+    rows: u32,
+    dropped_rows: u32,
+    dropped_frames: u32,
+    overruns: u32,
+    short: u32,
+    long: u32,
+    stalled: u32,
+    dma_errors: u32,
+}
+
+impl Row {
+    fn of(frame: &ReceivedFrame) -> Self {
         let c = &frame.counters;
-        let _ = writeln!(
-            text,
-            "{},{},{},{},{},{},{},{},{},{},{},{}",
-            frame.number,
-            u8::from(frame.is_whole),
-            frame.missing_rows.len(),
-            c.frames,
-            c.rows,
-            c.dropped_rows,
-            c.dropped_frames,
-            c.overruns,
-            c.short,
-            c.long,
-            c.stalled,
-            c.dma_errors
-        );
+        Self {
+            frame: frame.number,
+            whole: u8::from(frame.is_whole),
+            missing_rows: frame.missing_rows.len(),
+            frames: c.frames,
+            rows: c.rows,
+            dropped_rows: c.dropped_rows,
+            dropped_frames: c.dropped_frames,
+            overruns: c.overruns,
+            short: c.short,
+            long: c.long,
+            stalled: c.stalled,
+            dma_errors: c.dma_errors,
+        }
     }
-    text
 }
 
 #[cfg(test)]
@@ -116,11 +181,13 @@ mod tests {
     use super::*;
     use crate::DisparityMap;
     use haarline::Counters;
+    use std::fs;
 
     #[test]
     fn a_sender_that_begins_anew_replaces_no_file() {
-        let found: Vec<String> = names([0, 1, 0, 1, 2, 0].into_iter()).collect();
-        let wanted = ["000000", "000001", "000000_1", "000001_1", "000002", "000000_2"];
+        let mut names = Names::default();
+        let found = [0, 1, 0, 1, 2, 0].map(|number| names.next(number));
+        let wanted = ["000000", "000001", "000000_1", "000001_1", "000002_1", "000000_2"];
         assert_eq!(found, wanted.map(|name| format!("{name}.pfm")));
     }
 
@@ -133,6 +200,11 @@ mod tests {
             missing_rows: vec![1],
             is_whole: false,
         };
-        assert_eq!(table(&[frame]).lines().nth(1), Some("7,0,1,8,2,0,0,1,0,0,0,0"));
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("frames.csv");
+        GrowingTable::create(&path).unwrap().add(&Row::of(&frame)).unwrap();
+        let wanted = "frame,whole,missing_rows,frames,rows,dropped_rows,dropped_frames,overruns,short,long,stalled,\
+                      dma_errors\n7,0,1,8,2,0,0,1,0,0,0,0\n";
+        assert_eq!(fs::read_to_string(&path).unwrap(), wanted);
     }
 }

@@ -9,8 +9,8 @@ use serde::Serialize;
 
 use super::shared::{LayoutKind, WiringArgs, layout, progress, warn_skipped};
 use super::{Finding, print};
-use crate::raw_dump::write_frame;
-use crate::recording::{FrameRange, RecordedFrame, Side, find_frames};
+use crate::input::raw_dump::write_frame;
+use crate::input::recording::{FrameRange, RecordedFrame, Side, find_frames};
 use crate::{StereoPair, output};
 
 /// Arguments of `haarline record`.

@@ -8,7 +8,7 @@ use haarline_rig::{Derived, Description, template};
 use serde_json::json;
 
 use super::print;
-use crate::{output, rig_file};
+use crate::{input::rig_file, output};
 
 /// Arguments of `haarline rig`.
 #[derive(Debug, clap::Args)]

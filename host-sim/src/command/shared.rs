@@ -13,12 +13,13 @@ use haarline_rig::Description;
 use indicatif::{ProgressBar, ProgressState, ProgressStyle};
 
 use super::{print, whole_number};
-use crate::baselines::Baselines;
-use crate::method::{Method, MethodKind, check_config};
+use crate::input::recording::{Layout, Side};
 use crate::output;
-use crate::recording::{Layout, Side};
-use crate::scene::find_scenes;
-use crate::{Geometry, rig_file};
+use crate::score::baselines::Baselines;
+use crate::score::scene::{find_scenes, read_meta};
+use crate::score::split::{Half, halves};
+use crate::stereo::method::{Method, MethodKind, check_config};
+use crate::{Geometry, input::rig_file};
 
 /// The search range.
 #[derive(Debug, clap::Args)]
@@ -284,15 +285,29 @@ pub(super) struct Benchmark {
     /// Only these scenes
     #[arg(long, value_name = "A,B,...", value_delimiter = ',')]
     only: Vec<String>,
+    /// Only one half of the scenes: in each family they go by name to A, B, B, A, A, B, B, A, ...
+    #[arg(long, value_enum, value_name = "A|B")]
+    split: Option<Half>,
     /// OpenCV's figures [default: baselines.json in the scenes' folder or in one of the two above it]
     #[arg(long, value_name = "FILE")]
     baselines: Option<PathBuf>,
 }
 
 impl Benchmark {
-    /// The folders that `--only` names, or all.
+    /// The folders that `--only` names, or all, of the half that `--split` names, or of both.
     pub(super) fn folders(&self) -> Result<Vec<PathBuf>> {
-        scene_folders(&self.scenes, &self.only)
+        let folders = scene_folders(&self.scenes, &self.only)?;
+        let Some(half) = self.split else { return Ok(folders) };
+        // Halved are all scenes, whichever of them are wanted.
+        let all = find_scenes(&self.scenes)?;
+        let name = |folder: &Path| folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let family = |folder: &Path| read_meta(&folder.join("meta.json")).map(|meta| meta.family);
+        let scenes = all.iter().map(|folder| Ok((name(folder), family(folder)?))).collect::<Result<Vec<_>>>()?;
+        let inside: Vec<&PathBuf> =
+            all.iter().zip(halves(&scenes)).filter(|(_, other)| *other == half).map(|(folder, _)| folder).collect();
+        let folders: Vec<PathBuf> = folders.into_iter().filter(|folder| inside.contains(&folder)).collect();
+        ensure!(!folders.is_empty(), "--split {half}: none of the scenes is in that half");
+        Ok(folders)
     }
 
     /// OpenCV's figures, if a file is named or found.

@@ -9,10 +9,10 @@ use clap::builder::PossibleValue;
 
 use super::shared::{progress, scene_folders};
 use super::{natural_number, print};
-use crate::scene::Scene;
+use crate::score::scene::Scene;
 use crate::study::page::{Origin, page};
 use crate::study::{Outcome, Part, STUDIES, Setup, Study, Table, rendered};
-use crate::{evaluation, output, report};
+use crate::{output, score::evaluation, score::report};
 
 /// Columns of a paragraph on the terminal.
 const LINE: usize = 100;

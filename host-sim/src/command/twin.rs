@@ -14,19 +14,19 @@ use serde::Serialize;
 
 use super::shared::{RigArg, SearchRange, WiringArgs};
 use super::{Finding, natural_number, number, print};
-use crate::degrade::Degradation;
-use crate::method::MethodKind;
-use crate::obstacles::{FrameObstacles, ObstacleFinder};
+use crate::input::raw_dump::{RawFormat, ViewSize};
+use crate::input::recording::{Layout, Side, find_frames};
 use crate::output;
-use crate::raw_dump::{RawFormat, ViewSize};
-use crate::recording::{Layout, Side, find_frames};
+use crate::score::degrade::Degradation;
+use crate::stereo::method::MethodKind;
+use crate::stereo::obstacles::{FrameObstacles, ObstacleFinder};
 use crate::twin::elf::{self, Memory};
 use crate::twin::estimate::{CHIPS, Estimate};
 use crate::twin::footage::Footage;
 use crate::twin::machine::Machine;
 use crate::twin::rows::decode;
 use crate::twin::{Report, Request, obstacles};
-use crate::{DisparityMap, StereoPair, output::pfm, pipeline, rig_file};
+use crate::{DisparityMap, StereoPair, input::rig_file, output::pfm, stereo::pipeline};
 
 /// Bytes of results that are kept whole; of a longer run only the recording's first and last round are.
 const MOST_KEPT: u64 = 256 << 20;

@@ -7,7 +7,7 @@ use image::ExtendedColorType;
 
 use super::encode_png;
 use crate::DisparityMap;
-use crate::disparity_map::px;
+use crate::stereo::disparity_map::px;
 
 /// The file of `map`.
 ///

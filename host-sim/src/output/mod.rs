@@ -1,6 +1,8 @@
 //! Files that come out: written beside the target and renamed, so that nothing half-written ever has
 //! the final name.
 
+pub mod contour_picture;
+pub mod growing;
 pub mod kitti_png;
 mod legend;
 pub mod obstacle_strip;

@@ -2,7 +2,7 @@
 //! endian, from the bottom row to the top one; unknown is positive infinity.
 
 use crate::DisparityMap;
-use crate::disparity_map::px;
+use crate::stereo::disparity_map::px;
 
 /// The file of `map`.
 #[must_use]

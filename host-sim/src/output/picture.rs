@@ -6,7 +6,7 @@ use image::{ExtendedColorType, Rgb, RgbImage};
 
 use super::obstacle_strip::ObstacleStrip;
 use super::{encode_png, legend};
-use crate::disparity_map::px;
+use crate::stereo::disparity_map::px;
 use crate::{DisparityMap, Geometry};
 
 /// The disparities that the colours span, px; what lies outside has the colour of the end.

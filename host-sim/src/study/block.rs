@@ -11,11 +11,11 @@ use haarline_tests::BlockSettings;
 
 use super::operations::Operations;
 use super::{Outcome, Part, Setup, Table};
-use crate::degrade::Degradation;
-use crate::evaluation::{Evaluator, Mean};
-use crate::method::{Method, MethodKind, on_large_stack};
-use crate::report::format_figure;
 use crate::score::Score;
+use crate::score::degrade::Degradation;
+use crate::score::evaluation::{Evaluator, Mean};
+use crate::score::report::format_figure;
+use crate::stereo::method::{Method, MethodKind, on_large_stack};
 
 /// A method as it takes part.
 #[derive(Debug, Clone, Copy)]
@@ -133,12 +133,12 @@ pub fn run(setup: &Setup<'_>) -> Result<Outcome> {
 
 fn try_out(setup: &Setup<'_>, entry: Entry, frames: &'static str, degradation: Degradation) -> Result<Trial> {
     let build = |config| entry.build(config);
-    let evaluator = Evaluator { build: &build, degradation, baselines: None, maps: None };
+    let evaluator = Evaluator { build: &build, degradation, baselines: None, apart: &[], maps: None };
     let pixels = setup.scenes.iter().map(|scene| scene.pair.left.luma.len()).sum();
     let (scores, operations) = Operations::count(pixels, || evaluator.run(setup.scenes, || setup.progress.inc(1)))?;
     let scores = scores?;
-    let mean = Mean::of(scores.iter()).context("no scene")?.score;
-    let tot2 = scores.iter().map(|scene| scene.score.tot2).collect();
+    let mean = Mean::of(scores.iter()).context("no scene")?.score.all;
+    let tot2 = scores.iter().map(|scene| scene.score.all.tot2).collect();
     Ok(Trial { method: entry.name, frames, mean, tot2, operations })
 }
 
@@ -212,8 +212,8 @@ fn table(trials: &[Trial]) -> Table {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::Scene;
-    use crate::scene::{Meta, Truth};
+    use crate::score::scene::Scene;
+    use crate::score::scene::{Meta, Truth};
     use crate::{Frame, StereoPair};
     use indicatif::ProgressBar;
 

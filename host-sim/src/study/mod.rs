@@ -24,7 +24,7 @@ pub use same_points::{PointScore, SamePoints};
 use anyhow::Result;
 use indicatif::ProgressBar;
 
-use crate::scene::Scene;
+use crate::score::scene::Scene;
 
 /// All studies, in the order of the page.
 pub const STUDIES: &[Study] = &[

@@ -1,6 +1,6 @@
 //! Rendered scenes with known truth, for studies that are given no others.
 
-use crate::scene::{self, Meta};
+use crate::score::scene::{self, Meta};
 use crate::synthetic::{Layer, Rendering, Scene, Shape, Slope, Texture};
 
 /// What the page calls them.
@@ -40,7 +40,7 @@ fn boards(seed: u64) -> Scene {
         }
     };
     let layers = std::iter::once(back).chain((1..=4).map(board)).collect();
-    Scene { width: 320, height: 240, num_disparities: 48, layers, noise: 1.5, seed }
+    Scene { width: 320, height: 240, num_disparities: 48, layers, blur: 0.0, noise: 1.5, seed }
 }
 
 /// Posts of 2 and 3 px and a box of 40 px before a soft back.
@@ -66,7 +66,7 @@ fn fence(seed: u64) -> Scene {
         texture: Texture::new(1, 205.0, 18.0),
     };
     let layers = [back, thing].into_iter().chain((0..4).map(post)).collect();
-    Scene { width: 320, height: 240, num_disparities: 48, layers, noise: 1.5, seed }
+    Scene { width: 320, height: 240, num_disparities: 48, layers, blur: 0.0, noise: 1.5, seed }
 }
 
 #[cfg(test)]

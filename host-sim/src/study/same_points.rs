@@ -1,8 +1,8 @@
 //! Two maps at the same points: which of two methods is right where both answer.
 
 use crate::DisparityMap;
-use crate::scene::Truth;
 use crate::score::error_q8;
+use crate::score::scene::Truth;
 
 /// What one of the two got wrong at the points that both answer.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -6,13 +6,17 @@
 //! inverting its disparity, so sub-pixel disparities and occlusions are exact in both views, and
 //! nothing is ever resampled.
 
+mod blur;
+pub mod cases;
+pub mod folder;
+mod presets;
 mod texture;
 
 use haarline::Config;
 
-use crate::degrade::Degradation;
-use crate::scene::Truth;
+use crate::score::degrade::Degradation;
 use crate::score::error_q8;
+use crate::score::scene::Truth;
 use crate::{DisparityMap, Frame, StereoPair};
 pub use texture::Texture;
 
@@ -103,6 +107,8 @@ pub struct Scene {
     pub num_disparities: u16,
     /// Its layers, in any order, one of them everywhere.
     pub layers: Vec<Layer>,
+    /// Standard deviation of the lens's Gaussian blur, px; 0 is none.
+    pub blur: f64,
     /// Sensor noise in both views, grey levels.
     pub noise: f64,
     /// Seed of the textures and the noise.
@@ -132,44 +138,6 @@ pub struct BlankScore {
 }
 
 impl Scene {
-    /// A room: a textured back, a slanted side with a thin post before it, a blank wall from the back to the
-    /// right and the top with a box before it, the floor that comes nearer, and a ball on it.
-    #[must_use]
-    pub fn room(seed: u64) -> Self {
-        let layer = |shape, disparity, texture| Layer { shape, disparity, texture };
-        let rectangle = |columns, rows| Shape::Rectangle { columns, rows };
-        let facing = Slope::facing;
-        let side = Slope { at_origin: 27.4, per_column: -0.21, per_row: 0.0 };
-        let floor = Slope { at_origin: -35.6, per_column: 0.0, per_row: 0.294 };
-        let layers = vec![
-            layer(Shape::Everywhere, facing(5.3), Texture::new(0, 84.0, 60.0)),
-            layer(rectangle([0.0, 96.0], [18.0, 400.0]), side, Texture::new(1, 138.0, 62.0).scaled(1.2)),
-            layer(rectangle([112.0, 720.0], [-1.0, 400.0]), facing(14.6), Texture::blank(176.0)),
-            layer(rectangle([-400.0, 720.0], [146.0, 400.0]), floor, Texture::new(3, 62.0, 60.0)),
-            layer(rectangle([228.0, 292.0], [78.0, 222.0]), facing(30.4), Texture::new(4, 118.0, 90.0).scaled(1.5)),
-            layer(rectangle([78.3, 82.8], [0.0, 400.0]), facing(40.2), Texture::new(5, 52.0, 50.0)),
-            layer(Shape::Disc { centre: [104.0, 192.0], radius: 27.0 }, facing(36.7), Texture::new(6, 190.0, 64.0)),
-        ];
-        Self { width: 320, height: 240, num_disparities: 48, layers, noise: 1.5, seed }
-    }
-
-    /// What a rover sees with the rig of [`haarline_rig::template`], 200 px and 60 mm, level and 300 mm over
-    /// the ground: flat ground, straight ahead at 1.5 m a post 100 mm wide and 600 mm high, and a wall at 6 m.
-    #[must_use]
-    pub fn rover(seed: u64) -> Self {
-        let layer = |shape, disparity, texture| Layer { shape, disparity, texture };
-        let everything = [-400.0, 720.0];
-        // 60 mm / 300 mm for each row below the middle one.
-        let ground = Slope { at_origin: -0.2 * 119.5, per_column: 0.0, per_row: 0.2 };
-        let post = Shape::Rectangle { columns: [152.8, 166.2], rows: [79.5, 159.5] };
-        let layers = vec![
-            layer(Shape::Everywhere, Slope::facing(2.0), Texture::new(0, 150.0, 70.0)),
-            layer(Shape::Rectangle { columns: everything, rows: [121.0, 400.0] }, ground, Texture::new(1, 96.0, 70.0)),
-            layer(post, Slope::facing(8.0), Texture::new(2, 120.0, 90.0)),
-        ];
-        Self { width: 320, height: 240, num_disparities: 48, layers, noise: 1.5, seed }
-    }
-
     /// How a method is to be configured for this scene.
     #[must_use]
     pub fn config(&self) -> Config {
@@ -190,19 +158,26 @@ impl Scene {
         Rendering { pair, truth, is_blank }
     }
 
-    /// A view; `locate` tells where a layer's point in this view is in the left one, and how near.
+    /// A view; `locate` tells where a layer's point in this view is in the left one, and how near. The blur
+    /// sees beyond the view's borders.
     fn view(&self, locate: impl Fn(&Layer, f64, f64) -> (f64, f64)) -> Frame {
         let count = f64::from(SAMPLES[0] * SAMPLES[1]);
+        let kernel = blur::Kernel::new(self.blur);
+        let margin = kernel.reach();
+        let [width, height] = [self.width, self.height].map(|length| length + 2 * margin);
         let pixel = |index: usize| {
-            let (x, y) = ((index % self.width) as f64, (index / self.width) as f64);
+            let place = |at: usize| at as f64 - margin as f64;
+            let (x, y) = (place(index % width), place(index / width));
             let sample = |[dx, dy]: [f64; 2]| match self.nearest(x + dx, y + dy, &locate) {
                 Some((layer, at)) => self.layers[layer].texture.grey(at, y + dy, self.seed),
                 None => 0.0,
             };
-            let mean = sample_offsets().map(sample).sum::<f64>() / count;
-            mean.round().clamp(0.0, 255.0) as u8
+            sample_offsets().map(sample).sum::<f64>() / count
         };
-        Frame::from_luma(self.width, self.height, (0..self.width * self.height).map(pixel).collect())
+        let sharp: Vec<f64> = (0..width * height).map(pixel).collect();
+        let light = kernel.apply(&sharp, width);
+        let luma = light.into_iter().map(|mean| mean.round().clamp(0.0, 255.0) as u8).collect();
+        Frame::from_luma(self.width, self.height, luma)
     }
 
     /// The nearest layer at a point of a view, and its column in the left view.
@@ -292,7 +267,7 @@ mod tests {
             Layer { shape: Shape::Everywhere, disparity: Slope::facing(back), texture: Texture::new(0, 128.0, 60.0) },
             Layer { shape: box_shape, disparity: Slope::facing(front), texture: Texture::blank(200.0) },
         ];
-        Scene { width: 160, height: 12, num_disparities: 16, layers, noise: 0.0, seed: 3 }
+        Scene { width: 160, height: 12, num_disparities: 16, layers, blur: 0.0, noise: 0.0, seed: 3 }
     }
 
     #[test]

@@ -7,7 +7,7 @@ use anyhow::{Context, Result, ensure};
 use haarline::Wiring;
 
 use crate::StereoPair;
-use crate::raw_dump::{RawFormat, ViewSize, write_frame};
+use crate::input::raw_dump::{RawFormat, ViewSize, write_frame};
 
 /// Frames as the bytes of a camera port.
 #[derive(Debug, Clone)]

@@ -14,7 +14,7 @@ use anyhow::{Context, Result, ensure};
 use haarline::{Config, Stage, Wiring};
 use haarline_rig::Plan;
 
-use crate::method::MethodKind;
+use crate::stereo::method::MethodKind;
 
 /// What the program reported: counts by name.
 #[derive(Debug, Clone, Default)]

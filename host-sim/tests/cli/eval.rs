@@ -9,12 +9,14 @@ use crate::files::{Map, encode, png8, png16};
 use crate::scene::{Scene, bench_with_scenes, grey_image, three_scenes};
 use crate::tool::{Bench, assert_one_error_line};
 
-const FIGURES: [&str; 6] = ["density", "bad1", "bad2", "tot1", "tot2", "epe"];
+const FIGURES: [&str; 8] = ["density", "bad1", "bad2", "tot05", "tot1", "tot2", "off10", "epe"];
 
 /// What a map scores, from its files alone: the figures of [`FIGURES`], and the answers as confidence and
 /// whether they are bad.
 struct Independent {
-    figures: [f64; 6],
+    figures: [f64; 8],
+    /// The same of the answers with a confidence of 16 or more.
+    of_default: [f64; 8],
     scored: usize,
     answers: Vec<(u8, bool)>,
 }
@@ -29,7 +31,7 @@ fn score(bench: &Bench, scenes: &str, maps: &str, scene: &Scene) -> Independent 
     let first = meta["num_disparities"].as_u64().unwrap() as usize;
     let map = Map::from_pfm(&bench.read(&format!("{maps}/{}.pfm", scene.name)));
     let confidence = png8(&bench.read(&format!("{maps}/{}_confidence.png", scene.name)));
-    let (mut scored, mut answers, mut errors) = (0, Vec::new(), Vec::new());
+    let (mut scored, mut answers) = (0, Vec::new());
     for y in 0..map.height {
         for x in first..map.width {
             let index = y * map.width + x;
@@ -38,23 +40,30 @@ fn score(bench: &Bench, scenes: &str, maps: &str, scene: &Scene) -> Independent 
             }
             scored += 1;
             if map.px[index].is_finite() {
-                let error = (f64::from(map.px[index]) - f64::from(truth[index]) / 256.0).abs();
-                errors.push(error);
-                answers.push((confidence[index], error > 2.0));
+                let true_px = f64::from(truth[index]) / 256.0;
+                answers.push((confidence[index], (f64::from(map.px[index]) - true_px).abs(), true_px));
             }
         }
     }
-    let (all, answered) = (f64::from(scored), errors.len() as f64);
-    let over = |limit: f64| errors.iter().filter(|&&error| error > limit).count() as f64;
-    let figures = [
-        answered / all * 100.0,
-        over(1.0) / answered * 100.0,
-        over(2.0) / answered * 100.0,
-        (over(1.0) + all - answered) / all * 100.0,
-        (over(2.0) + all - answered) / all * 100.0,
-        errors.iter().sum::<f64>() / answered,
-    ];
-    Independent { figures, scored: scored as usize, answers }
+    let figures = |least: u8| {
+        let answers = || answers.iter().filter(move |answer| answer.0 >= least);
+        let (all, answered) = (f64::from(scored), answers().count() as f64);
+        let over = |limit: f64| answers().filter(|&&(_, error, _)| error > limit).count() as f64;
+        let over_tenth = answers().filter(|&&(_, error, true_px)| error > true_px / 10.0).count() as f64;
+        [
+            answered / all * 100.0,
+            over(1.0) / answered * 100.0,
+            over(2.0) / answered * 100.0,
+            (over(0.5) + all - answered) / all * 100.0,
+            (over(1.0) + all - answered) / all * 100.0,
+            (over(2.0) + all - answered) / all * 100.0,
+            (over_tenth + all - answered) / all * 100.0,
+            answers().map(|answer| answer.1).sum::<f64>() / answered,
+        ]
+    };
+    let (figures, of_default) = (figures(0), figures(16));
+    let answers = answers.into_iter().map(|(confidence, error, _)| (confidence, error > 2.0)).collect();
+    Independent { figures, of_default, scored: scored as usize, answers }
 }
 
 impl Independent {
@@ -80,14 +89,30 @@ fn figure(json: &Value, key: &str) -> f64 {
 }
 
 #[track_caller]
-fn assert_figures(json: &Value, wanted: [f64; 6], what: &str) {
+fn assert_figures(json: &Value, wanted: [f64; 8], what: &str) {
     for (key, wanted) in FIGURES.into_iter().zip(wanted) {
         let found = figure(json, key);
         assert!((found - wanted).abs() < 0.01, "{what}, {key}: {found}, not {wanted}");
     }
 }
 
-fn mean(of: &[[f64; 6]]) -> [f64; 6] {
+#[track_caller]
+fn assert_classes(json: &Value, score: &Independent, what: &str) {
+    let classes = json.as_array().unwrap();
+    assert_eq!(classes.len(), 16, "{what}");
+    for (index, class) in classes.iter().enumerate() {
+        let inside: Vec<bool> =
+            score.answers.iter().filter(|answer| usize::from(answer.0) / 16 == index).map(|answer| answer.1).collect();
+        let share = inside.len() as f64 / score.scored as f64 * 100.0;
+        assert!((figure(class, "pixels") - share).abs() < 0.01, "{what}, class {index}: {class}, not {share}");
+        let wrong = inside.iter().filter(|&&is_wrong| is_wrong).count() as f64 / inside.len() as f64 * 100.0;
+        let found = class["wrong"].as_f64();
+        assert_eq!(found.is_some(), !inside.is_empty(), "{what}, class {index}");
+        assert!(found.is_none_or(|found| (found - wrong).abs() < 0.01), "{what}, class {index}: {class}, not {wrong}");
+    }
+}
+
+fn mean(of: &[[f64; 8]]) -> [f64; 8] {
     std::array::from_fn(|index| of.iter().map(|figures| figures[index]).sum::<f64>() / of.len() as f64)
 }
 
@@ -97,12 +122,15 @@ fn all_figures_equal_those_of_an_independent_scorer_on_its_maps() {
     for options in ["--method full", "--method lite", "--method block", "--method lite --noise 12"] {
         let report = bench.succeeds(&format!("eval scenes {options} --json - -o maps")).json();
         let scenes = three_scenes();
-        let figures = scenes.each_ref().map(|scene| score(&bench, "scenes", "maps", scene).figures);
+        let found = scenes.each_ref().map(|scene| score(&bench, "scenes", "maps", scene));
+        let figures = found.each_ref().map(|score| score.figures);
         assert!(figures.iter().flatten().all(|&value| value > 0.1), "every figure tells something: {figures:?}");
-        for (scene, figures) in scenes.iter().zip(figures) {
+        for (scene, score) in scenes.iter().zip(&found) {
             let found = &report["scenes"][scene.name];
             assert_eq!(found["family"], scene.family);
-            assert_figures(found, figures, &format!("{options}, {}", scene.name));
+            assert_figures(found, score.figures, &format!("{options}, {}", scene.name));
+            assert_figures(&found["default_answers"], score.of_default, &format!("{options}, {}", scene.name));
+            assert_classes(&found["confidence_classes"], score, &format!("{options}, {}", scene.name));
         }
         assert_eq!(report["scenes"].as_object().unwrap().len(), 3);
         assert_eq!(report["families"].as_object().unwrap().len(), 2);
@@ -123,7 +151,7 @@ fn the_tables_show_the_same_figures() {
         let line = rest.lines().find(|line| line.starts_with(begin)).unwrap_or_else(|| panic!("{begin}: {told}"));
         line.split_whitespace().map(str::to_owned).collect()
     };
-    let shows = |cells: &[String], wanted: [f64; 6]| {
+    let shows = |cells: &[String], wanted: [f64; 8]| {
         for (cell, wanted) in cells.iter().zip(wanted) {
             let found: f64 = cell.parse().unwrap_or_else(|_| panic!("{cells:?}"));
             assert!((found - wanted).abs() < 0.0051, "{cells:?}, not {wanted}");
@@ -137,6 +165,36 @@ fn the_tables_show_the_same_figures() {
     shows(&row("full", "family indoor, 2 scenes")[1..], mean(&figures[..2]));
     shows(&row("full", "family street, 1 scene")[1..], figures[2]);
     shows(&row("full", "mean over 3 scenes")[1..], mean(&figures));
+    let of_default = scenes.each_ref().map(|scene| score(&bench, "scenes", "maps", scene).of_default);
+    shows(&row("full, default (>= 16)", "mean over 3 scenes")[4..], mean(&of_default));
+}
+
+#[test]
+fn what_the_usual_score_leaves_out_is_scored_apart() {
+    let bench = bench_with_scenes();
+    let usual = bench.succeeds("eval scenes --json -").json();
+    let report = bench.succeeds("eval scenes --occluded --left-band --json - -o maps").json();
+    assert!(usual["mean"]["occluded"].is_null() && usual["mean"]["left_band"].is_null());
+    assert_eq!(report["mean"]["tot2"], usual["mean"]["tot2"]);
+    for scene in three_scenes() {
+        let map = Map::from_pfm(&bench.read(&format!("maps/{}.pfm", scene.name)));
+        let tot2 = |is_inside: &dyn Fn(usize) -> bool| {
+            let pixels: Vec<usize> =
+                (0..map.px.len()).filter(|&index| scene.truth[index] != 0 && is_inside(index)).collect();
+            let is_wrong = |&&index: &&usize| {
+                let error = (f64::from(map.px[index]) - f64::from(scene.truth[index]) / 256.0).abs();
+                !map.px[index].is_finite() || error > 2.0
+            };
+            100.0 * pixels.iter().filter(is_wrong).count() as f64 / pixels.len() as f64
+        };
+        let occluded = tot2(&|index| scene.nonocc[index] != 255);
+        let left_band = tot2(&|index| scene.nonocc[index] == 255 && index % map.width < scene.num_disparities);
+        let found = &report["scenes"][scene.name];
+        assert!((figure(&found["occluded"], "tot2") - occluded).abs() < 0.01, "{found}, not {occluded}");
+        assert!((figure(&found["left_band"], "tot2") - left_band).abs() < 0.01, "{found}, not {left_band}");
+    }
+    let told = bench.succeeds("eval scenes --occluded --left-band").stdout;
+    assert!(told.contains("occluded (hidden") && told.contains("left band (columns"), "{told}");
 }
 
 /// A baselines file in which StereoBM has a density of its own on each scene.
@@ -252,6 +310,20 @@ fn only_the_scenes_named_are_scored_and_as_among_all() {
     assert_eq!(some_maps, [maps[0].clone(), maps[2].clone()]);
     let (one, _) = run(&bench, "--noise 8 --seed 3 --only bench");
     assert_eq!(one["mean"]["tot2"], all["scenes"]["bench"]["tot2"]);
+}
+
+#[test]
+fn the_halves_are_apart_and_together_all() {
+    let bench = bench_with_scenes();
+    let names = |options: &str| -> Vec<String> {
+        let report = bench.succeeds(&format!("eval scenes --method lite --json - {options}")).json();
+        report["scenes"].as_object().unwrap().keys().cloned().collect()
+    };
+    assert_eq!(names("--split A"), ["alcove", "crossing"]);
+    assert_eq!(names("--split B"), ["bench"]);
+    assert_eq!(names("--split B --only bench,crossing"), ["bench"]);
+    bench.refuses("eval scenes --split B --only crossing", &["--split B", "none"]);
+    bench.refuses("eval scenes --split C", &["--split", "A"]);
 }
 
 #[test]

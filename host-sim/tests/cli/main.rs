@@ -13,6 +13,7 @@ mod demo;
 mod depth;
 mod eval;
 mod files;
+mod receive;
 mod record;
 mod rig;
 mod scene;

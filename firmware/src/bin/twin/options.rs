@@ -36,6 +36,7 @@ pub enum Method {
     Contour,
     Envelope,
     Block,
+    Sgm,
 }
 
 impl Options {
@@ -159,6 +160,7 @@ impl Method {
             "contour" => Ok(Self::Contour),
             "envelope" => Ok(Self::Envelope),
             "block" => Ok(Self::Block),
+            "sgm" => Ok(Self::Sgm),
             _ => Err("the method is not known"),
         }
     }

@@ -5,11 +5,11 @@ use anyhow::{Context, Result};
 use rayon::prelude::*;
 
 use super::{CONTOUR, DEGRADATIONS, ENTRIES, Entry, OPPONENT, Setup, Table, UNLINKED};
-use crate::degrade::Degradation;
-use crate::report::format_figure;
-use crate::scene::Scene;
+use crate::score::degrade::Degradation;
+use crate::score::report::format_figure;
+use crate::score::scene::Scene;
 use crate::study::SamePoints;
-use crate::{DisparityMap, pipeline};
+use crate::{DisparityMap, stereo::pipeline};
 
 /// StereoBM as OpenCV has it.
 const BLOCK: &str = "block";

@@ -5,7 +5,7 @@ use std::mem::discriminant;
 use anyhow::Result;
 
 use super::{ENTRIES, Entry, Kind, Trial, find};
-use crate::method::MethodKind;
+use crate::stereo::method::MethodKind;
 use crate::study::Plot;
 use crate::study::plot::{Axis, Chart, Layer, Mark, figure};
 

@@ -12,7 +12,7 @@ use self::form::{BARS, Fall, Form, HALF_SUPPORTS, HEIGHT, Left, OBJECT, magnitud
 use super::plot::{Axis, BLACK, Chart, Layer, Mark, figure};
 use super::{Outcome, Part, Plot, Setup, Table};
 use crate::Frame;
-use crate::scene::Scene;
+use crate::score::scene::Scene;
 
 /// A real row takes part if its fine and its coarse structure are this strong, grey levels.
 const LEAST_CONTRAST: f64 = 20.0;

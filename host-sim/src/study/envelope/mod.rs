@@ -8,7 +8,7 @@ use anyhow::Result;
 use self::template::{DISPERSION, Extremum, FLAT, Shape, UNIQUENESS, extrema, matching};
 use super::plot::{Axis, BLACK, Chart, Layer, Mark, figure};
 use super::{Outcome, Part, Plot, Setup, Table};
-use crate::scene::Scene;
+use crate::score::scene::Scene;
 
 /// Widths of the templates, px; the paper's first.
 const WIDTHS: [usize; 4] = [3, 5, 9, 15];

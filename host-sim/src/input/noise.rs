@@ -67,7 +67,7 @@ fn percentile(counts: &[u32], target: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::degrade::Degradation;
+    use crate::score::degrade::Degradation;
 
     fn ramp() -> StereoPair {
         let luma = (0..100 * 200).map(|i| (60 + i % 200 / 4 + i / 200) as u8).collect();

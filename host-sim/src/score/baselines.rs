@@ -11,8 +11,8 @@ use std::path::{Path, PathBuf};
 use anyhow::{Result, anyhow};
 use serde::Deserialize;
 
-use crate::degrade::Degradation;
 use crate::score::Score;
+use crate::score::degrade::Degradation;
 
 /// The figures' methods: key in the file, and name.
 pub const METHODS: [(&str, &str); 3] = [("bm9", "StereoBM 9"), ("bm15", "StereoBM 15"), ("sgbm", "StereoSGBM")];
@@ -42,8 +42,12 @@ struct Row {
     density: f64,
     bad1: f64,
     bad2: f64,
+    #[serde(default)]
+    tot05: Option<f64>,
     tot1: f64,
     tot2: f64,
+    #[serde(default)]
+    off10: Option<f64>,
     epe: f64,
 }
 
@@ -110,8 +114,10 @@ impl Baselines {
             density: row.density,
             bad1: Some(row.bad1),
             bad2: Some(row.bad2),
+            tot05: row.tot05,
             tot1: row.tot1,
             tot2: row.tot2,
+            off10: row.off10,
             epe: Some(row.epe),
             // The most confident answers as many as StereoBM 9 gives: of its own ones all.
             bad2_at_bm_density: (method == METHODS[0].0).then_some(row.bad2),

@@ -3,7 +3,7 @@
 use anyhow::{Result, bail, ensure};
 use haarline::{Depth, Disparity, Rig};
 
-use crate::disparity_map::px;
+use crate::stereo::disparity_map::px;
 
 /// Focal length and baseline of the rectified pair, both positive.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -7,13 +7,13 @@ use anyhow::{Context, Result};
 use haarline::{Config, ConfigError, StereoMethod};
 use rayon::prelude::*;
 
-use crate::baselines::{self, Baselines, Level};
-use crate::degrade::Degradation;
-use crate::disparity_map::DisparityMap;
 use crate::output::picture::{self, ColourRange};
-use crate::scene::Scene;
-use crate::score::Score;
-use crate::{Geometry, output, pipeline};
+use crate::score::baselines::{self, Baselines, Level};
+use crate::score::degrade::Degradation;
+use crate::score::scene::{Region, Scene};
+use crate::score::{MapScore, Score};
+use crate::stereo::disparity_map::DisparityMap;
+use crate::{Geometry, output, stereo::pipeline};
 
 /// Builds an instance of a method.
 pub type Build<'a> = dyn Fn(Config) -> Result<Box<dyn StereoMethod + Send>, ConfigError> + Sync + 'a;
@@ -26,6 +26,8 @@ pub struct Evaluator<'a> {
     pub degradation: Degradation,
     /// OpenCV's figures, and which of them.
     pub baselines: Option<(&'a Baselines, &'a Level)>,
+    /// Regions that are scored apart, besides [`Region::Scored`].
+    pub apart: &'a [Region],
     /// Where the maps go, if anywhere.
     pub maps: Option<&'a Path>,
 }
@@ -38,7 +40,9 @@ pub struct SceneScore {
     /// The scene's kind.
     pub family: String,
     /// The method's score.
-    pub score: Score,
+    pub score: MapScore,
+    /// The same in the regions that are scored apart; `None` where the scene has no such pixel.
+    pub apart: Vec<(Region, Option<MapScore>)>,
     /// OpenCV's, in the order of [`baselines::METHODS`]; `None` where the file has none.
     pub references: [Option<Score>; baselines::METHODS.len()],
 }
@@ -49,7 +53,10 @@ pub struct Mean {
     /// How many scenes there are.
     pub scenes: usize,
     /// The method's mean.
-    pub score: Score,
+    pub score: MapScore,
+    /// The same in the regions that are scored apart, each over those of the scenes that have such pixels, and
+    /// how many these are.
+    pub apart: Vec<(Region, MapScore, usize)>,
     /// OpenCV's means, each over those of the scenes that the file has, and how many these are.
     pub references: [Option<(Score, usize)>; baselines::METHODS.len()],
 }
@@ -58,12 +65,19 @@ impl Mean {
     /// The mean over `scenes`; `None` if there are none.
     #[must_use]
     pub fn of<'a>(scenes: impl Iterator<Item = &'a SceneScore> + Clone) -> Option<Self> {
-        let score = Score::mean(scenes.clone().map(|scene| &scene.score))?;
+        let score = MapScore::mean(scenes.clone().map(|scene| &scene.score))?;
+        let regions = scenes.clone().next().map_or(0, |scene| scene.apart.len());
+        let apart = (0..regions).filter_map(|index| {
+            let known = scenes.clone().filter_map(move |scene| scene.apart[index].1.as_ref());
+            let region = scenes.clone().next()?.apart[index].0;
+            Some((region, MapScore::mean(known.clone())?, known.count()))
+        });
+        let apart = apart.collect();
         let references = std::array::from_fn(|method| {
             let known = scenes.clone().filter_map(move |scene| scene.references[method].as_ref());
             Some((Score::mean(known.clone())?, known.count()))
         });
-        Some(Self { scenes: scenes.count(), score, references })
+        Some(Self { scenes: scenes.count(), score, apart, references })
     }
 
     /// The mean of each family of scenes, by name.
@@ -110,8 +124,10 @@ impl Evaluator<'_> {
         }
         let references = self.references(scene);
         let reference_density = references[0].map(|score| score.density);
-        let score = Score::of(&map, &scene.truth, reference_density).context("nothing to score")?;
-        Ok(SceneScore { name: scene.name.clone(), family: scene.meta.family.clone(), score, references })
+        let score_in = |region, density| MapScore::of(&map, &scene.truth, region, density);
+        let score = score_in(Region::Scored, reference_density).context("nothing to score")?;
+        let apart = self.apart.iter().map(|&region| (region, score_in(region, None))).collect();
+        Ok(SceneScore { name: scene.name.clone(), family: scene.meta.family.clone(), score, apart, references })
     }
 
     fn references(&self, scene: &Scene) -> [Option<Score>; baselines::METHODS.len()] {
@@ -139,32 +155,33 @@ fn write_maps(folder: &Path, scene: &Scene, map: &DisparityMap) -> Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::score::confidence_classes::ConfidenceClasses;
 
     fn scene(family: &str, tot2: f64, reference: Option<f64>) -> SceneScore {
-        let score = |tot2| Score {
-            density: 50.0,
-            bad1: None,
-            bad2: None,
-            tot1: 100.0,
-            tot2,
-            epe: None,
-            bad2_at_bm_density: None,
-            auc: None,
+        let all = |tot2| Score { density: 50.0, tot1: 100.0, tot2, ..Score::default() };
+        let score = |tot2| MapScore {
+            all: all(tot2),
+            default_answers: all(tot2 + 1.0),
+            confidence_classes: ConfidenceClasses::mean(&[]),
         };
-        let references = [reference.map(score), None, None];
-        SceneScore { name: String::new(), family: family.to_owned(), score: score(tot2), references }
+        let apart = vec![(Region::Occluded, reference.map(score)), (Region::LeftBand, None)];
+        let references = [reference.map(all), None, None];
+        SceneScore { name: String::new(), family: family.to_owned(), score: score(tot2), apart, references }
     }
 
     #[test]
     fn means_are_plain_over_scenes_and_within_families() {
         let scenes = [scene("b", 10.0, Some(20.0)), scene("b", 20.0, None), scene("a", 60.0, Some(40.0))];
         let mean = Mean::of(scenes.iter()).unwrap();
-        assert_eq!((mean.scenes, mean.score.tot2, mean.score.epe), (3, 30.0, None));
+        assert_eq!((mean.scenes, mean.score.all.tot2, mean.score.all.epe), (3, 30.0, None));
         let (reference, count) = mean.references[0].unwrap();
         assert_eq!((reference.tot2, count), (30.0, 2));
         assert!(mean.references[1].is_none());
+        assert_eq!(mean.score.default_answers.tot2, 31.0);
+        let [(Region::Occluded, occluded, 2)] = &mean.apart[..] else { panic!("{:?}", mean.apart) };
+        assert_eq!(occluded.all.tot2, 30.0);
         let families = Mean::by_family(&scenes);
-        let tot2: Vec<(&str, f64)> = families.iter().map(|(family, mean)| (*family, mean.score.tot2)).collect();
+        let tot2: Vec<(&str, f64)> = families.iter().map(|(family, mean)| (*family, mean.score.all.tot2)).collect();
         assert_eq!(tot2, [("a", 60.0), ("b", 15.0)]);
     }
 }

@@ -14,8 +14,8 @@ use std::str::FromStr;
 use anyhow::{Result, anyhow, bail, ensure};
 use clap::ValueEnum;
 
-use crate::raw_dump::RawFormat;
-use crate::{Frame, StereoPair, image_file};
+use crate::input::raw_dump::RawFormat;
+use crate::{Frame, StereoPair, input::image_file};
 
 /// Suffixes of the files that are taken for frames.
 const SUFFIXES: [&str; 9] = ["bmp", "jpeg", "jpg", "pgm", "png", "pnm", "ppm", "tif", "tiff"];

@@ -32,6 +32,12 @@ impl Sparsification {
         self.groups.iter().map(|(answers, _)| answers).sum()
     }
 
+    /// How many answers there are of each confidence, and how many bad ones of them.
+    #[must_use]
+    pub fn by_confidence(&self) -> &[(u64, u64); 256] {
+        &self.groups
+    }
+
     /// Groups of equal confidence that are not empty, the most confident first.
     fn best_first(&self) -> impl Iterator<Item = (f64, f64)> {
         self.groups.iter().rev().filter(|group| group.0 > 0).map(|&(answers, bad)| (answers as f64, bad as f64))

@@ -6,7 +6,7 @@ use anyhow::{Context, Result, bail, ensure};
 use haarline::Config;
 use image::{DynamicImage, RgbImage};
 
-use crate::image_file;
+use crate::input::image_file;
 
 /// One view: 8-bit luma, and its colours where the file had any.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -98,8 +98,8 @@ impl ObstacleFinder {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::method::MethodKind;
-    use crate::pipeline;
+    use crate::stereo::method::MethodKind;
+    use crate::stereo::pipeline;
     use crate::synthetic::Scene;
     use haarline_rig::template;
 

@@ -12,8 +12,8 @@ use haarline::{Config, Disparity};
 use image::DynamicImage;
 use serde::{Deserialize, Serialize};
 
-use crate::image_file;
-use crate::method::check_config;
+use crate::input::image_file;
+use crate::stereo::method::check_config;
 use crate::{DisparityMap, StereoPair};
 
 /// The files that a scene consists of.
@@ -41,6 +41,17 @@ impl Meta {
     }
 }
 
+/// Which of the pixels with known truth. Each is in one region.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Region {
+    /// Seen by both cameras, in column [`Truth::first_column`] or right of it: what is scored as a rule.
+    Scored,
+    /// Hidden from the right camera, or outside of its view.
+    Occluded,
+    /// Seen by both cameras, left of column [`Truth::first_column`].
+    LeftBand,
+}
+
 /// The true disparities of a left view, and where they count.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Truth {
@@ -55,17 +66,33 @@ pub struct Truth {
 }
 
 impl Truth {
+    /// The region of the pixel of that index; `None` where the truth is unknown.
+    #[must_use]
+    pub fn region(&self, index: usize) -> Option<Region> {
+        let is_reached = index % self.width >= self.first_column;
+        (self.disparity_q8[index] != 0).then_some(match (self.seen_by_both[index], is_reached) {
+            (true, true) => Region::Scored,
+            (true, false) => Region::LeftBand,
+            (false, _) => Region::Occluded,
+        })
+    }
+
     /// Whether the pixel of that index is scored.
     #[must_use]
     pub fn is_scored(&self, index: usize) -> bool {
-        self.disparity_q8[index] != 0 && self.seen_by_both[index] && index % self.width >= self.first_column
+        self.region(index) == Some(Region::Scored)
+    }
+
+    /// Indices of the pixels of a region with their true disparities, 1/256 px.
+    pub fn pixels(&self, region: Region) -> impl Iterator<Item = (usize, u16)> {
+        (0..self.disparity_q8.len())
+            .filter(move |&index| self.region(index) == Some(region))
+            .map(|index| (index, self.disparity_q8[index]))
     }
 
     /// Indices of the scored pixels with their true disparities, 1/256 px.
     pub fn scored(&self) -> impl Iterator<Item = (usize, u16)> {
-        (0..self.disparity_q8.len())
-            .filter(|&index| self.is_scored(index))
-            .map(|index| (index, self.disparity_q8[index]))
+        self.pixels(Region::Scored)
     }
 
     /// The truth as a map, in the fixed point of an answer, to look at.
@@ -162,7 +189,8 @@ fn is_scene(folder: &Path) -> bool {
     FILES[..3].iter().any(|file| folder.join(file).is_file())
 }
 
-fn read_meta(path: &Path) -> Result<Meta> {
+/// Reads a scene's `meta.json`.
+pub(crate) fn read_meta(path: &Path) -> Result<Meta> {
     let text = fs::read_to_string(path).map_err(|error| anyhow!("{}: cannot be read: {error}", path.display()))?;
     serde_json::from_str(&text)
         .map_err(|error| anyhow!("{}: needs \"num_disparities\", a whole number: {error}", path.display()))

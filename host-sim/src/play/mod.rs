@@ -9,13 +9,13 @@ use haarline_rig::Description;
 use rayon::prelude::*;
 use serde::{Serialize, Serializer};
 
-use crate::method::Method;
-use crate::obstacles::{FrameObstacles, ObstacleFinder};
+use crate::input::recording::RecordedFrame;
 use crate::output::obstacle_strip::ObstacleStrip;
 use crate::output::picture::{self, ColourRange};
-use crate::pipeline::{self, Run};
-use crate::recording::RecordedFrame;
-use crate::{DisparityMap, Geometry, StereoPair, noise, output, rig_file};
+use crate::stereo::method::Method;
+use crate::stereo::obstacles::{FrameObstacles, ObstacleFinder};
+use crate::stereo::pipeline::{self, Run};
+use crate::{DisparityMap, Geometry, StereoPair, input::noise, input::rig_file, output};
 
 /// So many frames are read at once, and so many results written; in between they are matched one after
 /// the other.
@@ -281,8 +281,8 @@ pub fn encode_csv(reports: &[FrameReport]) -> Result<Vec<u8>> {
 mod tests {
     use super::*;
     use crate::MethodKind;
+    use crate::input::recording::{Layout, Side, find_frames};
     use crate::output::encode_grey_png;
-    use crate::recording::{Layout, Side, find_frames};
     use std::fs;
 
     /// A recording of three frames of noise shifted by 3 px, the middle one cut off.

@@ -6,10 +6,11 @@ use std::path::Path;
 use comfy_table::{CellAlignment, ContentArrangement, Row, Table};
 use serde::Serialize;
 
-use crate::baselines::{Baselines, Level, METHODS};
-use crate::degrade::Degradation;
-use crate::evaluation::{Mean, SceneScore};
-use crate::score::Score;
+use crate::score::baselines::{Baselines, Level, METHODS};
+use crate::score::degrade::Degradation;
+use crate::score::evaluation::{Mean, SceneScore};
+use crate::score::scene::Region;
+use crate::score::{LEAST_DEFAULT_CONFIDENCE, MapScore, Score};
 
 /// Everything that an evaluation found.
 #[derive(Debug)]
@@ -29,16 +30,20 @@ pub struct Report<'a> {
 }
 
 /// Heads of [`Score::FIGURES`] in a table.
-const HEADS: [&str; 8] = ["density", "bad1", "bad2", "tot1", "tot2", "epe", "bad2@BM", "auc"];
+const HEADS: [&str; 10] = ["density", "bad1", "bad2", "tot05", "tot1", "tot2", "off10", "epe", "bad2@BM", "auc"];
 
-/// What stands beside a scene's own figures: OpenCV's method, the head, and the figure.
-const BESIDE: [(usize, &str, usize); 6] = [
-    (0, "BM density", 0),
-    (0, "BM bad2", 2),
-    (0, "BM tot2", 4),
-    (2, "SGBM density", 0),
-    (2, "SGBM bad2", 2),
-    (2, "SGBM tot2", 4),
+/// What stands beside a scene's own figures, of its default answers: the head, and the figure's key.
+const OF_DEFAULT: [(&str, &str); 3] =
+    [("default density", "density"), ("default bad2", "bad2"), ("default tot2", "tot2")];
+
+/// What stands beside these: OpenCV's method, the head, and the figure's key.
+const BESIDE: [(usize, &str, &str); 6] = [
+    (0, "BM density", "density"),
+    (0, "BM bad2", "bad2"),
+    (0, "BM tot2", "tot2"),
+    (2, "SGBM density", "density"),
+    (2, "SGBM bad2", "bad2"),
+    (2, "SGBM tot2", "tot2"),
 ];
 
 impl Report<'_> {
@@ -57,6 +62,11 @@ impl Report<'_> {
             text += &format!("\nfamily {family}, {}\n{}\n", count(mean.scenes), mean_table(self.method, &mean));
         }
         text += &format!("\nmean over {}\n{}\n", count(self.mean.scenes), mean_table(self.method, self.mean));
+        for (region, score, scenes) in &self.mean.apart {
+            let mut table = table(["method"].into_iter().chain(HEADS).collect::<Vec<_>>(), 1);
+            add_both(&mut table, self.method, score);
+            text += &format!("\n{}, mean over {}\n{}\n", describe_region(*region), count(*scenes), table.trim_fmt());
+        }
         text + LEGEND
     }
 
@@ -78,13 +88,15 @@ impl Report<'_> {
     fn scene_table(&self) -> String {
         let has_references = self.scenes.iter().any(|scene| scene.references.iter().any(Option::is_some));
         let beside = if has_references { &BESIDE[..] } else { &[] };
-        let heads = ["scene", "family"].into_iter().chain(HEADS).chain(beside.iter().map(|(_, head, _)| *head));
+        let heads = ["scene", "family"].into_iter().chain(HEADS).chain(OF_DEFAULT.map(|(head, _)| head));
+        let heads = heads.chain(beside.iter().map(|(_, head, _)| *head));
         let mut table = table(heads.collect::<Vec<_>>(), 2);
         for scene in self.scenes {
             let mut cells = vec![scene.name.clone(), scene.family.clone()];
-            cells.extend(figures(&scene.score));
-            cells.extend(beside.iter().map(|&(method, _, figure)| {
-                let value = scene.references[method].as_ref().and_then(Score::FIGURES[figure].1);
+            cells.extend(figures(&scene.score.all));
+            cells.extend(OF_DEFAULT.map(|(_, key)| format_figure(scene.score.default_answers.figure(key))));
+            cells.extend(beside.iter().map(|&(method, _, key)| {
+                let value = scene.references[method].as_ref().and_then(|score| score.figure(key));
                 format_figure(value)
             }));
             table.add_row(cells);
@@ -97,8 +109,15 @@ impl Report<'_> {
     /// # Errors
     /// Never for finite figures.
     pub fn json(&self) -> serde_json::Result<String> {
-        let scene =
-            |scene: &SceneScore| (scene.name.clone(), SceneJson { score: scene.score, family: scene.family.clone() });
+        let scene = |scene: &SceneScore| {
+            let apart = scene.apart.iter().map(|(region, score)| (key_of_region(*region), score.clone()));
+            let score = ScoreJson { score: scene.score.clone(), apart: apart.collect() };
+            (scene.name.clone(), SceneJson { score, family: scene.family.clone() })
+        };
+        let mean = |mean: &Mean| {
+            let apart = mean.apart.iter().map(|(region, score, _)| (key_of_region(*region), Some(score.clone())));
+            ScoreJson { score: mean.score.clone(), apart: apart.collect() }
+        };
         let json = ReportJson {
             method: self.method,
             noise: self.degradation.noise,
@@ -108,8 +127,8 @@ impl Report<'_> {
             offset: self.degradation.offset,
             both_gain: self.degradation.both_gain,
             seed: self.degradation.seed,
-            mean: self.mean.score,
-            families: Mean::by_family(self.scenes).into_iter().map(|(family, mean)| (family, mean.score)).collect(),
+            mean: mean(self.mean),
+            families: Mean::by_family(self.scenes).into_iter().map(|(family, of)| (family, mean(&of))).collect(),
             scenes: self.scenes.iter().map(scene).collect(),
             baselines: self.baselines.map(|baselines| self.baselines_json(baselines)),
         };
@@ -145,16 +164,25 @@ struct ReportJson<'a> {
     offset: f64,
     both_gain: f64,
     seed: u64,
-    mean: Score,
-    families: BTreeMap<&'a str, Score>,
+    mean: ScoreJson,
+    families: BTreeMap<&'a str, ScoreJson>,
     scenes: BTreeMap<String, SceneJson>,
     baselines: Option<BaselinesJson>,
+}
+
+/// A score with those of the regions apart.
+#[derive(Serialize)]
+struct ScoreJson {
+    #[serde(flatten)]
+    score: MapScore,
+    #[serde(flatten)]
+    apart: BTreeMap<&'static str, Option<MapScore>>,
 }
 
 #[derive(Serialize)]
 struct SceneJson {
     #[serde(flatten)]
-    score: Score,
+    score: ScoreJson,
     family: String,
 }
 
@@ -176,28 +204,55 @@ struct MethodJson {
 
 const LEGEND: &str = "
 density: answered, % of the scored pixels. bad1, bad2: off by more than 1, 2 px, % of the answered.
-tot1, tot2: the same with unanswered as bad, % of the scored. epe: mean error of the answered, px.
-bad2@BM: bad2 of the most confident answers, as many as StereoBM 9 gives. auc: area under the curve of
-bad2 over the share of answers kept, most confident first. But for density, less is better.
+tot05, tot1, tot2: off by more than 0.5, 1, 2 px or unanswered, % of the scored. off10: off by more than a tenth of
+the depth or unanswered, % of the scored. epe: mean error of the answered, px. bad2@BM: bad2 of the most confident
+answers, as many as StereoBM 9 gives. auc: area under the curve of bad2 over the share of answers kept, most
+confident first. But for density, less is better. Default answers have a confidence of 16 or more, the others are
+guesses.
 ";
 
 /// A method's means, with OpenCV's below.
 #[must_use]
 pub fn mean_table(method: &str, mean: &Mean) -> String {
     let mut table = table(["method"].into_iter().chain(HEADS).collect::<Vec<_>>(), 1);
-    let mut add = |name: String, score: &Score| {
-        let mut cells = vec![name];
-        cells.extend(figures(score));
-        table.add_row(cells);
-    };
-    add(method.to_owned(), &mean.score);
+    add_both(&mut table, method, &mean.score);
     for ((_, name), reference) in METHODS.iter().zip(&mean.references) {
         if let Some((score, scenes)) = reference {
             let part = if *scenes < mean.scenes { format!(" ({})", count(*scenes)) } else { String::new() };
-            add(format!("{name}{part}"), score);
+            add(&mut table, format!("{name}{part}"), score);
         }
     }
     table.trim_fmt()
+}
+
+/// A row for all answers of a method, and one for those given by default.
+fn add_both(table: &mut Table, method: &str, score: &MapScore) {
+    add(table, method.to_owned(), &score.all);
+    add(table, format!("{method}, default (>= {LEAST_DEFAULT_CONFIDENCE})"), &score.default_answers);
+}
+
+fn add(table: &mut Table, name: String, score: &Score) {
+    let mut cells = vec![name];
+    cells.extend(figures(score));
+    table.add_row(cells);
+}
+
+/// What a region that is scored apart holds, in words.
+fn describe_region(region: Region) -> &'static str {
+    match region {
+        Region::Scored => "seen by both cameras",
+        Region::Occluded => "occluded (hidden from the right camera or out of its view)",
+        Region::LeftBand => "left band (columns left of num_disparities, seen by both cameras)",
+    }
+}
+
+/// The key of a region that is scored apart.
+fn key_of_region(region: Region) -> &'static str {
+    match region {
+        Region::Scored => "scored",
+        Region::Occluded => "occluded",
+        Region::LeftBand => "left_band",
+    }
 }
 
 /// What was done to the frames, in words.

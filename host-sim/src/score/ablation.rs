@@ -9,13 +9,13 @@ use haarline::full::Exhaustive;
 use haarline::{Config, ConfigError, Full, Parts, StereoMethod, blocks_for};
 use serde::Serialize;
 
-use crate::baselines::Baselines;
-use crate::degrade::Degradation;
-use crate::evaluation::{Evaluator, Mean};
-use crate::method::{MethodKind, on_large_stack};
-use crate::report::{self, format_figure};
-use crate::scene::Scene;
-use crate::score::Score;
+use crate::score::baselines::Baselines;
+use crate::score::degrade::Degradation;
+use crate::score::evaluation::{Evaluator, Mean};
+use crate::score::report::{self, format_figure};
+use crate::score::scene::Scene;
+use crate::score::{MapScore, Score};
+use crate::stereo::method::{MethodKind, on_large_stack};
 
 /// Blocks for the widest rows.
 const BLOCKS: usize = blocks_for(Config::MAX_WIDTH);
@@ -89,8 +89,10 @@ pub struct Trial {
     pub variant: &'static str,
     /// Standard deviation of the noise, grey levels.
     pub noise: f64,
-    /// The mean over the scenes.
+    /// The mean over the scenes, of all answers.
     pub mean: Score,
+    /// The same of the default answers.
+    pub default_answers: Score,
     /// What it took; `None` where that is not counted.
     pub cost: Option<Cost>,
     /// Each scene's score.
@@ -118,18 +120,18 @@ impl Ablation<'_> {
         let level = self.baselines.map(|baselines| baselines.level(widest, &degradation));
         let baselines = self.baselines.zip(level.as_ref());
         let build = |config| variant.build(config);
-        let evaluator = Evaluator { build: &build, degradation, baselines, maps: None };
+        let evaluator = Evaluator { build: &build, degradation, baselines, apart: &[], maps: None };
         let (scores, counts) = counter::count(|| evaluator.run(self.scenes, done))?;
         let scores = scores?;
-        let mean = Mean::of(scores.iter()).context("no scene")?.score;
+        let MapScore { all: mean, default_answers, .. } = Mean::of(scores.iter()).context("no scene")?.score;
         let pixels: usize = self.scenes.iter().map(|scene| scene.pair.left.luma.len()).sum();
         let per_pixel = |count: u64| count as f64 / pixels as f64;
         let cost = counts.filter(|_| variant.is_counted()).map(|[words, pairs]| Cost {
             sad_words_per_pixel: per_pixel(words),
             label_pairs_per_pixel: per_pixel(pairs),
         });
-        let scenes = scores.into_iter().map(|scene| (scene.name, scene.score)).collect();
-        Ok(Trial { variant: variant.name, noise, mean, cost, scenes })
+        let scenes = scores.into_iter().map(|scene| (scene.name, scene.score.all)).collect();
+        Ok(Trial { variant: variant.name, noise, mean, default_answers, cost, scenes })
     }
 }
 
@@ -157,11 +159,13 @@ mod counter {
 }
 
 /// Heads of the figures of [`Score`] in the table, by their keys.
-const FIGURES: [(&str, &str); 7] = [
+const FIGURES: [(&str, &str); 9] = [
     ("density", "density"),
     ("bad2", "bad2"),
+    ("tot05", "tot05"),
     ("tot1", "tot1"),
     ("tot2", "tot2"),
+    ("off10", "off10"),
     ("epe", "epe"),
     ("bad2_at_bm_density", "bad2@BM"),
     ("auc", "auc"),
@@ -199,9 +203,9 @@ fn table(trials: &[Trial]) -> Table {
 }
 
 const LEGEND: &str = "
-density: answered, % of the scored pixels. bad2: off by more than 2 px, % of the answered. tot1, tot2: off by
-more than 1, 2 px or unanswered, % of the scored. epe: mean error of the answered, px. bad2@BM: bad2 of the most
-confident answers, as many as StereoBM 9 gives. auc: area under the curve of bad2 over the share of answers kept.
+density: answered, % of the scored pixels. bad2: off by more than 2 px, % of the answered. tot05, tot1, tot2: off
+by more than 0.5, 1, 2 px or unanswered, % of the scored. off10: off by more than a tenth of the depth or unanswered.
+epe: mean error of the answered, px. bad2@BM: bad2 of the most confident answers, as many as StereoBM 9 gives. auc: area under the curve of bad2 over the share of answers kept.
 SAD words, label pairs: comparisons of four pixels with four others, and of a label with a neighbour's, per pixel.
 without seeds: hypotheses from neighbours, and all disparities in the first block row. exhaustive search: all
 disparities in every block, with the same agreement: an upper bound of what better hypotheses could bring. The
@@ -237,10 +241,9 @@ mod tests {
     use super::*;
 
     fn trial(variant: &'static str, noise: f64, tot2: f64) -> Trial {
-        let (bad1, bad2, epe, bad2_at_bm_density, auc) = (None, Some(1.5), None, None, None);
-        let mean = Score { density: 90.0, bad1, bad2, tot1: 20.0, tot2, epe, bad2_at_bm_density, auc };
+        let mean = Score { density: 90.0, bad2: Some(1.5), tot1: 20.0, tot2, ..Score::default() };
         let cost = (variant == "full").then_some(Cost { sad_words_per_pixel: 2.25, label_pairs_per_pixel: 3.0 });
-        Trial { variant, noise, mean, cost, scenes: BTreeMap::from([("aloe".to_owned(), mean)]) }
+        Trial { variant, noise, mean, default_answers: mean, cost, scenes: BTreeMap::from([("aloe".to_owned(), mean)]) }
     }
 
     fn trials() -> Vec<Trial> {
@@ -272,10 +275,10 @@ mod tests {
         assert_eq!(lines.len(), 5);
         assert_eq!(
             lines[0],
-            "variant,noise,scenes,density,bad1,bad2,tot1,tot2,epe,bad2_at_bm_density,auc,\
+            "variant,noise,scenes,density,bad1,bad2,tot05,tot1,tot2,off10,epe,bad2_at_bm_density,auc,\
              sad_words_per_pixel,label_pairs_per_pixel"
         );
-        assert_eq!(lines[3], "full,10,1,90.0000,,1.5000,20.0000,16.0000,,,,2.2500,3.0000");
-        assert_eq!(lines[4], "block,10,1,90.0000,,1.5000,20.0000,12.0000,,,,,");
+        assert_eq!(lines[3], "full,10,1,90.0000,,1.5000,,20.0000,16.0000,,,,,2.2500,3.0000");
+        assert_eq!(lines[4], "block,10,1,90.0000,,1.5000,,20.0000,12.0000,,,,,,");
     }
 }

@@ -10,7 +10,8 @@ use haarline::{
     Config, ConfigError, ContourSettings, ContourStereo, EnvelopeStereo, Full, Lite, Scales, StereoMethod,
     WaveletBlock, blocks_for,
 };
-use haarline_tests::{BlockSettings, Ncc, Ssd, StereoBm};
+use haarline_tests::sgm::words_for;
+use haarline_tests::{BlockSettings, Ncc, Sgm, Ssd, StereoBm};
 
 /// Columns that every method here has room for.
 const MAX_WIDTH: usize = Config::MAX_WIDTH as usize;
@@ -34,6 +35,8 @@ pub enum MethodKind {
     Ssd,
     /// The same with the normalised cross-correlation (NCC), for reference
     Ncc,
+    /// Semi-global matching of census transforms over three paths, for reference: every pixel is answered
+    Sgm,
     /// Block matching whose disparities an extremum search finds
     WaveletBlock,
     /// Contours of both views matched: sparse, answers beside contours only
@@ -87,6 +90,7 @@ impl MethodKind {
             Self::Block => "block",
             Self::Ssd => "ssd",
             Self::Ncc => "ncc",
+            Self::Sgm => "sgm",
             Self::WaveletBlock => "wavelet-block",
             Self::Contour => "contour",
             Self::Envelope => "envelope",
@@ -115,7 +119,9 @@ impl MethodKind {
             }
             Self::Envelope => Box::new(EnvelopeStereo::<{ blocks_for(Config::MAX_WIDTH) }>::new(config)?),
             Self::WaveletBlock => Box::new(WaveletBlock::<{ blocks_for(Config::MAX_WIDTH) }>::new(config)?),
-            Self::Block | Self::Ssd | Self::Ncc => return self.build_reference(config, BlockSettings::default()),
+            Self::Block | Self::Ssd | Self::Ncc | Self::Sgm => {
+                return self.build_reference(config, BlockSettings::default());
+            }
         })
     }
 
@@ -147,6 +153,8 @@ impl MethodKind {
             Self::Ssd => Box::new(Ssd::<MAX_WIDTH, D>::new(config, settings)?),
             Self::Ncc if is_narrow => Box::new(Ncc::<320, D>::new(config, settings)?),
             Self::Ncc => Box::new(Ncc::<MAX_WIDTH, D>::new(config, settings)?),
+            Self::Sgm if is_narrow => Box::new(Sgm::<320, { words_for(Config::MAX_DISPARITIES) }>::new(config)?),
+            Self::Sgm => Box::new(Sgm::<MAX_WIDTH, { words_for(Config::MAX_DISPARITIES) }>::new(config)?),
             _ if is_narrow => Box::new(StereoBm::<320, D>::new(config, settings)?),
             _ => Box::new(StereoBm::<MAX_WIDTH, D>::new(config, settings)?),
         })

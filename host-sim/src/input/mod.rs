@@ -1,0 +1,10 @@
+//! What comes in: images, recordings of them, dumps of a camera port, row packets, rig descriptions.
+
+pub mod caveat;
+pub mod frame;
+pub mod image_file;
+pub mod noise;
+pub mod packet_stream;
+pub mod raw_dump;
+pub mod recording;
+pub mod rig_file;

@@ -1,0 +1,7 @@
+//! A pair of frames through a method of the core, and what comes of it: disparities, depth, obstacles.
+
+pub mod disparity_map;
+pub mod geometry;
+pub mod method;
+pub mod obstacles;
+pub mod pipeline;

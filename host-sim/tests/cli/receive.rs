@@ -1,0 +1,125 @@
+//! `haarline receive`: row packets in, maps out as they come.
+
+use std::fs;
+use std::io::Write;
+use std::process::{Child, Command, Stdio};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use haarline::packet::{Encoder, max_bytes};
+use haarline::{Counters, Disparity, DisparityRow};
+
+use crate::files::Map;
+use crate::tool::Bench;
+
+const WIDTH: u16 = 32;
+
+/// A sender of frames of a single row, each of its own disparity.
+struct Sender {
+    encoder: Encoder,
+    next: u32,
+}
+
+impl Sender {
+    fn new() -> Self {
+        Self { encoder: Encoder::new(), next: 0 }
+    }
+
+    /// The packets of the next frame: pixels of confidence 200, the first 8 of confidence 7.
+    fn frame(&mut self) -> Vec<u8> {
+        let (frame, mut buffer) = (self.next, [0; max_bytes(WIDTH)]);
+        let disparity = [Disparity::from_px((frame % 16) as i16); WIDTH as usize];
+        let mut confidence = [200; WIDTH as usize];
+        confidence[..8].fill(7);
+        let counters = Counters { frames: frame + 1, ..Counters::ZERO };
+        let mut bytes = self.encoder.begin(frame, [WIDTH, 1], &counters, &mut buffer).unwrap().to_vec();
+        let row = DisparityRow { y: 0, disparity: &disparity, confidence: &confidence };
+        bytes.extend_from_slice(self.encoder.row(frame, row, &counters, &mut buffer).unwrap());
+        bytes.extend_from_slice(self.encoder.end(frame, 1, &counters, &mut buffer).unwrap());
+        self.next += 1;
+        bytes
+    }
+}
+
+/// The tool, reading packets from a pipe.
+fn receiver(bench: &Bench) -> Child {
+    Command::new(env!("CARGO_BIN_EXE_haarline"))
+        .args(["receive", "-", "-o", "maps"])
+        .current_dir(bench.path("."))
+        .stdin(Stdio::piped())
+        .stdout(Stdio::null())
+        .spawn()
+        .unwrap()
+}
+
+/// Waits until `is_so`, which must come about soon.
+#[track_caller]
+pub fn wait_until(what: &str, is_so: impl Fn() -> bool) {
+    let begin = Instant::now();
+    while !is_so() {
+        assert!(begin.elapsed() < Duration::from_secs(300), "{what}");
+        thread::sleep(Duration::from_millis(5));
+    }
+}
+
+#[test]
+fn a_killed_receiver_leaves_every_frame_that_had_come() {
+    let (bench, mut sender) = (Bench::new(), Sender::new());
+    let mut receiver = receiver(&bench);
+    let mut pipe = receiver.stdin.take().unwrap();
+    let lines = || fs::read_to_string(bench.path("maps/frames.csv")).unwrap_or_default().lines().count();
+    for frame in 0..3 {
+        pipe.write_all(&sender.frame()).unwrap();
+        pipe.flush().unwrap();
+        // While the sender is silent.
+        wait_until("the frame's row", || lines() == frame + 2);
+        let map = Map::from_pfm(&bench.read(&format!("maps/{frame:06}.pfm")));
+        assert_eq!((map.width, map.height, map.px[31]), (32, 1, frame as f32));
+    }
+    pipe.write_all(&sender.frame()[..20]).unwrap();
+    receiver.kill().unwrap();
+    receiver.wait().unwrap();
+    assert_eq!(lines(), 4);
+    assert_eq!(fs::read_dir(bench.path("maps")).unwrap().count(), 4, "three maps and the table");
+}
+
+#[test]
+fn pixels_of_less_confidence_are_unknown_in_its_maps() {
+    let (bench, mut sender) = (Bench::new(), Sender::new());
+    bench.write("packets.bin", sender.frame());
+    for (least, known) in [(0, 32), (7, 32), (8, 24), (201, 0)] {
+        bench.succeeds(&format!("receive packets.bin -o maps --min-confidence {least}"));
+        assert_eq!(Map::from_pfm(&bench.read("maps/000000.pfm")).known().len(), known, "{least}");
+    }
+}
+
+/// The most memory that it took so far, KiB.
+#[cfg(target_os = "linux")]
+fn peak_memory(process: &Child) -> u64 {
+    let status = fs::read_to_string(format!("/proc/{}/status", process.id())).unwrap();
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:")).unwrap();
+    line.split_whitespace().next().unwrap().parse().unwrap()
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn its_memory_does_not_grow_with_the_length() {
+    let frames = if cfg!(debug_assertions) { 4_000 } else { 100_000 };
+    let (bench, mut sender) = (Bench::new(), Sender::new());
+    let mut receiver = receiver(&bench);
+    let mut pipe = receiver.stdin.take().unwrap();
+    let mut peaks = Vec::new();
+    for half in [frames / 2, frames] {
+        while sender.next < half {
+            pipe.write_all(&sender.frame()).unwrap();
+        }
+        let last = bench.path(format!("maps/{:06}.pfm", half - 1));
+        wait_until("the last frame's map", || last.exists());
+        peaks.push(peak_memory(&receiver));
+    }
+    drop(pipe);
+    assert!(receiver.wait().unwrap().success());
+    println!("{frames} frames: at most {peaks:?} KiB");
+    assert!(peaks[1] < 60 * 1024, "{peaks:?} KiB");
+    assert!(peaks[1] - peaks[0] < 1024, "it grows: {peaks:?} KiB");
+}
