@@ -49,7 +49,6 @@ pub use answer::disparity;
 pub use camera::{counters, framing, rectify, scanline, wiring};
 pub use front_end::{contour, curvature, haar, reading, scales};
 pub use matching::extremum;
-pub use method::tiles;
 pub use method::tile_pipeline;
 pub use method::{contour_stereo, envelope, full, lite, parts, pipeline, stereo, wavelet_block};
 #[cfg(feature = "packet")]
@@ -66,7 +65,7 @@ pub use fill::fill_holes;
 pub use full::Full;
 pub use lite::Lite;
 pub use obstacle::Obstacles;
-pub use parts::Parts;
+pub use parts::{Parts, Seeds};
 pub use pipeline::blocks_for;
 pub use reading::Reading;
 pub use rectify::{Offset, Paired};

@@ -7,7 +7,6 @@ pub(crate) mod cost;
 pub mod extremum;
 pub(crate) mod label;
 pub(crate) mod pairing;
-pub(crate) mod path;
 pub(crate) mod search;
 pub(crate) mod seed;
 pub(crate) mod tile;

@@ -3,7 +3,6 @@
 
 mod block_row;
 pub mod tile_pipeline;
-pub mod tiles;
 pub mod contour_stereo;
 pub mod envelope;
 pub mod full;

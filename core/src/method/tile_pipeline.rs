@@ -10,7 +10,7 @@ use crate::lanes::{ONES, add, add_halves, difference, min, select_ge, splat, sub
 use crate::matching::agreement::{Penalties, extend, normalised};
 use crate::matching::tile::{TileRow, TileSettings};
 use crate::matching::tile_seed::TileSeeds;
-use crate::method::parts::Parts;
+use crate::method::parts::{Parts, Seeds};
 use crate::stage::{Stage, StageClock, Untimed};
 use crate::{Config, ConfigError, Disparity, DisparityRow, RowError, ScanlinePair, StereoMethod, blocks_for};
 
@@ -232,11 +232,18 @@ impl<const AGREEMENT: bool, const BLOCKS: usize, C: StageClock> Tiled<AGREEMENT,
             if let Some(left) = left {
                 propose(left);
             }
-            if self.parts.seeds {
-                for label in self.seeds.nearest(tile) {
-                    propose(u32::from(label));
-                }
-            }
+            match self.parts.seeds {
+                Seeds::Contours => self.seeds.nearest(tile).map(|label| propose(u32::from(label))),
+                Seeds::Random(seed) => [0, 1].map(|i| {
+                    let number = (tile_row * 1024 + tile as u32) * 2 + i;
+                    propose(scramble(seed ^ scramble(number)) % u32::from(self.config.num_disparities));
+                }),
+                Seeds::Grid => [0, 1].map(|i| {
+                    let step = (tile_row * 5 + tile as u32 * 3) % 8 + 8 * i;
+                    propose(step * u32::from(self.config.num_disparities) / 16);
+                }),
+                Seeds::None => [(); 2],
+            };
             let found = row.search(tile, &hypotheses[..len], left, up);
             self.labels[tile] = found.labels;
             let [a, b, c, d] = found.costs;
@@ -461,6 +468,13 @@ impl<const AGREEMENT: bool, const BLOCKS: usize, C: StageClock> Tiled<AGREEMENT,
             }
         }
     }
+}
+
+/// A well-mixed number for each number (the finaliser of MurmurHash3).
+const fn scramble(number: u32) -> u32 {
+    let mixed = (number ^ number >> 16).wrapping_mul(0x85eb_ca6b);
+    let mixed = (mixed ^ mixed >> 13).wrapping_mul(0xc2b2_ae35);
+    mixed ^ mixed >> 16
 }
 
 fn cell_slot(row: u32) -> usize {
