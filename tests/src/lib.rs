@@ -3,9 +3,9 @@
 
 pub mod ncc;
 pub mod sgm;
+mod simd;
 pub mod ssd;
 pub mod stereo_bm;
-mod word;
 
 pub use ncc::Ncc;
 pub use sgm::Sgm;

@@ -16,14 +16,11 @@ use haarline_tests::sgm::words_for;
 use oracle::Oracle;
 use proptest::prelude::*;
 
-/// All disparities that there are.
-const WORDS: usize = words_for(Config::MAX_DISPARITIES);
-
 fn build(config: Config) -> Box<dyn StereoMethod> {
     match config.width {
         0..=100 if config.num_disparities <= 48 => Box::new(Sgm::<100, { words_for(48) }>::new(config).unwrap()),
-        0..=322 => Box::new(Sgm::<322, WORDS>::new(config).unwrap()),
-        _ => Box::new(Sgm::<{ Config::MAX_WIDTH as usize }, WORDS>::new(config).unwrap()),
+        0..=200 => Box::new(Sgm::<200, { words_for(Config::MAX_DISPARITIES) }>::new(config).unwrap()),
+        _ => Box::new(Sgm::<322, { words_for(Config::MAX_DISPARITIES) }>::new(config).unwrap()),
     }
 }
 
@@ -38,7 +35,7 @@ const SGM: Subject = Subject {
         160 => Box::new(Sgm::<160, 8>::new(config).unwrap()),
         _ => Box::new(Sgm::<322, 8>::new(config).unwrap()),
     },
-    build_widest: |config| Box::new(Sgm::<{ Config::MAX_WIDTH as usize }, WORDS>::new(config).unwrap()),
+    build_widest: |config| Box::new(Sgm::<{ Config::MAX_WIDTH as usize }, { words_for(24) }>::new(config).unwrap()),
     latency: 3,
 };
 
@@ -105,4 +102,12 @@ fn what_is_out_of_range_or_capacity_is_refused() {
     let capacity = ConfigError::DisparityCapacity { max_disparities: 32 };
     assert_eq!(refused(Config { num_disparities: 33, ..valid }), Some(capacity));
     assert_eq!(refused(Config { num_disparities: 0, ..valid }), Some(ConfigError::NumDisparities));
+}
+
+#[test]
+fn an_instance_takes_what_its_documentation_says() {
+    let by_formula = |width: usize, words: usize| width * (12 * words + 43);
+    let (small, large) = (size_of::<Sgm<320, { words_for(48) }>>(), size_of::<Sgm<1280, { words_for(256) }>>());
+    assert!((0..2048).contains(&(small - by_formula(320, 12))), "{small}");
+    assert!((0..2048).contains(&(large - by_formula(1280, 64))), "{large}");
 }

@@ -10,9 +10,10 @@ use super::{Finding, natural_number, number};
 use crate::output;
 use crate::score::baselines::{Baselines, Level};
 use crate::score::degrade::Degradation;
-use crate::score::evaluation::{self, Evaluator, Mean, SceneScore};
+use crate::score::evaluation::{self, Evaluator, Evidence, Mean, SceneScore};
 use crate::score::report::Report;
 use crate::score::scene::{Region, Scene};
+use crate::score::sure::SURE;
 use crate::score::{Figure, MapScore, Score};
 use crate::stereo::method::Method;
 
@@ -50,6 +51,16 @@ pub(super) struct Args {
     /// Scores the columns left of the number of disparities, too, apart
     #[arg(long)]
     left_band: bool,
+    /// Shows what the sure answers are worth: their share, how many of them are wrong or too near, the worst scene
+    #[arg(long)]
+    sure: bool,
+    /// From this confidence on an answer is sure, 1 to 255 [default: 64]
+    #[arg(long, value_name = "C", value_parser = clap::value_parser!(u8).range(1..))]
+    sure_from: Option<u8>,
+    /// Looks for obstacles in the map and in the truth: how many are found, missed, told too far, and phantoms;
+    /// with the scene's rig.toml if it has one, else everything is in the way
+    #[arg(long)]
+    obstacles: bool,
     #[command(flatten)]
     json: JsonOutput,
     /// Writes <scene>.pfm, <scene>_confidence.png and <scene>_picture.png of every scene
@@ -108,6 +119,7 @@ impl Args {
             baselines,
             scenes: &scores,
             mean: &mean,
+            shows_sure: self.sure,
         };
         self.json.deliver(|| Ok(report.json()?), || report.text())?;
         check_limits(&self.fail_over, &mean.score)
@@ -151,8 +163,9 @@ impl Args {
         let regions = [(self.occluded, Region::Occluded), (self.left_band, Region::LeftBand)];
         let apart: Vec<Region> =
             regions.into_iter().filter_map(|(is_asked, region)| is_asked.then_some(region)).collect();
-        let evaluator =
-            Evaluator { build: &build, degradation, baselines, apart: &apart, maps: self.output.as_deref() };
+        let evidence = Evidence { sure_from: self.sure_from.unwrap_or(SURE), obstacles: self.obstacles };
+        let maps = self.output.as_deref();
+        let evaluator = Evaluator { build: &build, degradation, baselines, apart: &apart, maps, evidence };
         let progress = progress(scenes.len(), "scenes")?;
         let scores = evaluator.run(scenes, || progress.inc(1));
         progress.finish_and_clear();

@@ -30,7 +30,7 @@ pub(super) struct Args {
     #[arg(short, long = "output", value_name = "DIR")]
     output: PathBuf,
     /// How the views are stored
-    #[arg(long, value_enum, default_value_t = LayoutKind::Folders, conflicts_with = "raw")]
+    #[arg(long, value_enum, default_value_t = LayoutKind::Auto, conflicts_with = "raw")]
     layout: LayoutKind,
     /// The recording is a raw dump, frame after frame without any header; the size is that of one view,
     /// px, whatever the wiring (a frame has twice as many bytes as a view has pixels)

@@ -24,7 +24,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "DIR")]
     recording: Option<PathBuf>,
     /// How the recording's views are stored
-    #[arg(long, value_enum, default_value_t = LayoutKind::Folders, requires = "recording")]
+    #[arg(long, value_enum, default_value_t = LayoutKind::Auto, requires = "recording")]
     layout: LayoutKind,
     /// Which camera the left half of the recording's side-by-side frames belongs to
     #[arg(long, value_enum, value_name = "CAMERA", requires = "recording")]

@@ -179,22 +179,34 @@ impl MinConfidence {
 /// How the two views are stored.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(super) enum LayoutKind {
-    /// In the folders left and right
+    /// Each in a file of its own: folders or names, whichever is found
+    Auto,
+    /// In two folders: left and right, image_0 and image_1, cam0/data and cam1/data (mav0/...) and the like
     Folders,
+    /// In one folder, the camera in each name: left_01 and right_01, l1 and r1, 01_0 and 01_1 and the like
+    Names,
     /// Both in each image, side by side; which camera is in the left half must be told
     SideBySide,
+    /// Both in each image, one above the other; which camera is in the upper half must be told
+    TopBottom,
 }
 
 /// The layout, of whose first camera the option `option` tells.
 pub(super) fn layout(kind: LayoutKind, first: Option<Side>, option: &str) -> Result<Layout> {
     match (kind, first) {
+        (LayoutKind::Auto, None) => Ok(Layout::Separate),
         (LayoutKind::Folders, None) => Ok(Layout::Folders),
+        (LayoutKind::Names, None) => Ok(Layout::Names),
         (LayoutKind::SideBySide, Some(first)) => Ok(Layout::SideBySide { first }),
-        (LayoutKind::Folders, Some(first)) => {
-            bail!("{option} {first}: is for frames with both views, add --layout side-by-side")
+        (LayoutKind::TopBottom, Some(first)) => Ok(Layout::TopBottom { first }),
+        (LayoutKind::Auto | LayoutKind::Folders | LayoutKind::Names, Some(first)) => {
+            bail!("{option} {first}: is for frames with both views, add --layout side-by-side or top-bottom")
         }
         (LayoutKind::SideBySide, None) => {
             bail!("--layout side-by-side needs {option} left or {option} right, the camera of the left half")
+        }
+        (LayoutKind::TopBottom, None) => {
+            bail!("--layout top-bottom needs {option} left or {option} right, the camera of the upper half")
         }
     }
 }

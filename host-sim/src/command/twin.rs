@@ -238,7 +238,7 @@ impl Args {
             return Ok(vec![(scene.to_string_lossy().into_owned(), pair)]);
         }
         let Some(folder) = &self.recording else { bail!("two views are needed, or --recording") };
-        let layout = self.side_by_side.map_or(Layout::Folders, |first| Layout::SideBySide { first });
+        let layout = self.side_by_side.map_or(Layout::Separate, |first| Layout::SideBySide { first });
         find_frames(folder, layout)?.into_iter().map(|frame| Ok((frame.name.clone(), frame.read()?))).collect()
     }
 

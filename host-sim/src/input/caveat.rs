@@ -22,9 +22,9 @@ impl Caveat {
     fn words(self) -> String {
         match self {
             Self::NoEnd => "the JPEG has no end marker, but all of its pixels; some cameras write it so".to_owned(),
-            Self::FewBits(bits) => format!(
-                "its 16-bit samples have no more than {bits} bits, and are scaled as such, alike in both views"
-            ),
+            Self::FewBits(bits) => {
+                format!("its 16-bit samples have no more than {bits} bits, and are scaled as such, alike in both views")
+            }
             Self::RatherTopBottom => {
                 "each half is a narrow view; if one view lies above the other, it is --layout top-bottom".to_owned()
             }

@@ -1,11 +1,13 @@
 //! Frames: one view, and the rectified pair of them, from image files.
 
 use std::path::Path;
+use std::str::FromStr;
 
 use anyhow::{Context, Result, bail, ensure};
 use haarline::Config;
 use image::{DynamicImage, RgbImage};
 
+use crate::input::caveat::{self, Caveat};
 use crate::input::image_file;
 
 /// One view: 8-bit luma, and its colours where the file had any.
@@ -34,13 +36,15 @@ impl Frame {
 
     /// Reads a view and checks that the core can take its size.
     ///
-    /// Of 16-bit samples the high byte counts. Colour becomes luma as in OpenCV's `cvtColor`
-    /// (Rec. 601, integer weights), transparency is ignored.
+    /// Of 16-bit samples the high byte counts, of those with fewer bits the highest eight of these. Colour
+    /// becomes luma as in OpenCV's `cvtColor` (Rec. 601, integer weights), transparency is ignored.
     ///
     /// # Errors
     /// If the file cannot be read, is no such image or has a width outside of 32 to 1280 px.
     pub fn read(path: &Path) -> Result<Self> {
-        Self::of_image(image_file::read(path)?, path)
+        let image = image_file::read(path)?;
+        let bits = bits_told([&image; 1], path);
+        Self::of_image(image, bits, Shrink::NONE, path)
     }
 
     /// Reads a grey picture of any size, for those who do not match it.
@@ -49,25 +53,32 @@ impl Frame {
     /// If the file cannot be read or is no such image.
     pub fn read_of_any_size(path: &Path) -> Result<Self> {
         let image = image_file::read(path)?;
+        let bits = bits_told([&image; 1], path);
+        Self::of_any_size(image, bits, path)
+    }
+
+    fn of_any_size(image: DynamicImage, bits: u32, path: &Path) -> Result<Self> {
         let (width, height) = (image.width() as usize, image.height() as usize);
-        let (luma, colour) = luma_and_colour(image).with_context(|| path.display().to_string())?;
+        let (luma, colour) = luma_and_colour(image, bits).with_context(|| path.display().to_string())?;
         Ok(Self { width, height, luma, colour })
     }
 
-    /// The view in an image that comes from the file `path`, as [`Frame::read`].
-    ///
-    /// # Errors
-    /// If it is no such image or has a width outside of 32 to 1280 px.
-    pub fn of_image(image: DynamicImage, path: &Path) -> Result<Self> {
-        let (width, height) = (image.width() as usize, image.height() as usize);
-        let (min, max) = (usize::from(Config::MIN_WIDTH), usize::from(Config::MAX_WIDTH));
+    /// The view in an image that comes from the file `path`.
+    fn of_image(image: DynamicImage, bits: u32, shrink: Shrink, path: &Path) -> Result<Self> {
+        let (width, height) = (shrink.of(image.width()), shrink.of(image.height()));
+        let (min, max) = (u32::from(Config::MIN_WIDTH), u32::from(Config::MAX_WIDTH));
+        let name = path.display();
+        let least = (2..=Shrink::MAX).find(|k| image.width() / k <= max).filter(|_| width > max);
+        let advice = match least {
+            Some(k) => format!("--shrink {k} makes one px of {k} x {k} of both views"),
+            None => "scale or crop both views".to_owned(),
+        };
         ensure!(
             (min..=max).contains(&width),
-            "{}: the view is {width} px wide, where {min} to {max} px are supported: scale or crop both views",
-            path.display()
+            "{name}: the view is {width} px wide, where {min} to {max} px are supported: {advice}"
         );
-        let (luma, colour) = luma_and_colour(image).with_context(|| path.display().to_string())?;
-        Ok(Self { width, height, luma, colour })
+        ensure!(height > 0, "{name}: the view has fewer rows than --shrink {}", shrink.0);
+        Ok(shrink.apply(Self::of_any_size(image, bits, path)?))
     }
 
     /// Row `y`.
@@ -95,19 +106,45 @@ impl StereoPair {
     /// # Errors
     /// If one cannot be read or their sizes differ.
     pub fn read(left: &Path, right: &Path) -> Result<Self> {
-        let pair = Self { left: Frame::read(left)?, right: Frame::read(right)? };
-        let (l, r) = (&pair.left, &pair.right);
+        Self::read_shrunk(left, right, Shrink::NONE)
+    }
+
+    /// Reads both views and shrinks them.
+    ///
+    /// # Errors
+    /// If one cannot be read or their sizes differ.
+    pub fn read_shrunk(left: &Path, right: &Path, shrink: Shrink) -> Result<Self> {
+        Self::of_images([image_file::read(left)?, image_file::read(right)?], [left, right], shrink)
+    }
+
+    /// The views in the images left and right, which come from these files.
+    ///
+    /// # Errors
+    /// If one cannot be a view or their sizes differ.
+    pub fn of_images([left, right]: [DynamicImage; 2], [from, from_right]: [&Path; 2], shrink: Shrink) -> Result<Self> {
+        let [l, r] = [&left, &right].map(|view| (view.width(), view.height()));
+        let turned = if l == (r.1, r.0) { "; is one of them turned by its EXIF orientation?" } else { "" };
         ensure!(
-            (l.width, l.height) == (r.width, r.height),
-            "{} is {}x{} px, but {} is {}x{} px: both views must have the same size",
-            left.display(),
-            l.width,
-            l.height,
-            right.display(),
-            r.width,
-            r.height
+            l == r,
+            "{} is {}x{} px, but {} is {}x{} px: both views must have the same size{turned}",
+            from.display(),
+            l.0,
+            l.1,
+            from_right.display(),
+            r.0,
+            r.1
         );
-        Ok(pair)
+        let bits = bits_told([&left, &right], from);
+        Ok(Self {
+            left: Frame::of_image(left, bits, shrink, from)?,
+            right: Frame::of_image(right, bits, shrink, from_right)?,
+        })
+    }
+
+    /// The same, shrunk.
+    #[must_use]
+    pub fn shrunk(self, shrink: Shrink) -> Self {
+        Self { left: shrink.apply(self.left), right: shrink.apply(self.right) }
     }
 
     /// Pixels in a row of either view.
@@ -123,8 +160,88 @@ impl StereoPair {
     }
 }
 
-/// The luma plane, and the colours if it is a colour image.
-fn luma_and_colour(image: DynamicImage) -> Result<(Vec<u8>, Option<RgbImage>)> {
+/// How many columns, and rows, become one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Shrink(u32);
+
+impl Shrink {
+    /// Views as they are.
+    pub const NONE: Self = Self(1);
+    const MAX: u32 = 8;
+
+    /// The divisor.
+    #[must_use]
+    pub fn factor(self) -> u32 {
+        self.0
+    }
+
+    /// So many pixels of a side are left. Those that fill no pixel fall away.
+    #[must_use]
+    pub fn of(self, side: u32) -> u32 {
+        side / self.0
+    }
+
+    /// The frame, each pixel the mean of `factor` x `factor`, rounded to nearest.
+    #[must_use]
+    pub fn apply(self, frame: Frame) -> Frame {
+        let k = self.0 as usize;
+        if k == 1 {
+            return frame;
+        }
+        let (width, height) = (frame.width / k, frame.height / k);
+        let mean = |sample: &dyn Fn(usize, usize) -> u8, x: usize, y: usize| {
+            let samples = (0..k * k).map(|i| u32::from(sample(x * k + i % k, y * k + i / k)));
+            ((samples.sum::<u32>() + self.0 * self.0 / 2) / (self.0 * self.0)) as u8
+        };
+        let luma = |x, y| frame.luma[y * frame.width + x];
+        let pixels = (0..width * height).map(|index| (index % width, index / width));
+        let colour = frame.colour.as_ref().map(|colour| {
+            RgbImage::from_fn(width as u32, height as u32, |x, y| {
+                let channel = |c: usize| mean(&|x, y| colour.get_pixel(x as u32, y as u32)[c], x as usize, y as usize);
+                image::Rgb([channel(0), channel(1), channel(2)])
+            })
+        });
+        Frame { width, height, luma: pixels.map(|(x, y)| mean(&luma, x, y)).collect(), colour }
+    }
+}
+
+impl FromStr for Shrink {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let factor = text.parse().ok().filter(|factor| (1..=Self::MAX).contains(factor));
+        factor.map(Self).ok_or_else(|| format!("must be a whole number, 1 to {}", Self::MAX))
+    }
+}
+
+/// Depths that cameras with more than 8 bits have; their drivers often leave the high bits of 16 empty.
+const DEPTHS: [u32; 4] = [8, 10, 12, 14];
+
+/// Bits that the 16-bit samples of the views need, all of them together: scaled apart, they would differ in
+/// brightness. Where they are fewer than 16, that is told.
+fn bits_told<const N: usize>(views: [&DynamicImage; N], path: &Path) -> u32 {
+    let most = views.into_iter().filter_map(most_of_16_bits).max();
+    let depth = most.filter(|&most| most > 0).and_then(|most| DEPTHS.into_iter().find(|bits| most >> bits == 0));
+    if let Some(bits) = depth {
+        caveat::tell(Caveat::FewBits(bits), &path.display());
+    }
+    depth.unwrap_or(16)
+}
+
+/// The greatest sample of an image with samples of 16 bits.
+fn most_of_16_bits(image: &DynamicImage) -> Option<u16> {
+    match image {
+        DynamicImage::ImageLuma16(grey) => grey.iter().max().copied(),
+        DynamicImage::ImageLumaA16(grey) => grey.pixels().map(|pixel| pixel.0[0]).max(),
+        DynamicImage::ImageRgb16(rgb) => rgb.iter().max().copied(),
+        DynamicImage::ImageRgba16(rgb) => rgb.pixels().flat_map(|pixel| pixel.0.into_iter().take(3)).max(),
+        _ => None,
+    }
+}
+
+/// The luma plane, and the colours if it is a colour image; `bits` are those that samples of 16 bits have.
+fn luma_and_colour(image: DynamicImage, bits: u32) -> Result<(Vec<u8>, Option<RgbImage>)> {
+    let high_byte = |sample: u16| (sample >> (bits - 8)) as u8;
     let rgb = match image {
         DynamicImage::ImageLuma8(grey) => return Ok((grey.into_raw(), None)),
         DynamicImage::ImageLumaA8(grey) => return Ok((grey.pixels().map(|p| p.0[0]).collect(), None)),
@@ -141,10 +258,6 @@ fn luma_and_colour(image: DynamicImage) -> Result<(Vec<u8>, Option<RgbImage>)> {
         other => bail!("{:?} samples are not supported, 8 and 16 bits are", other.color()),
     };
     Ok((rgb.pixels().map(|p| rec601_luma(p.0)).collect(), Some(rgb)))
-}
-
-fn high_byte(sample: u16) -> u8 {
-    sample.to_be_bytes()[0]
 }
 
 /// Luma of a colour by the weights 0.299, 0.587, 0.114, in the integers of OpenCV's `cvtColor`:
@@ -171,12 +284,41 @@ mod tests {
         }
     }
 
+    fn grey16(samples: &[u16]) -> DynamicImage {
+        let image = image::ImageBuffer::from_raw(samples.len() as u32, 1, samples.to_vec());
+        DynamicImage::ImageLuma16(image.unwrap())
+    }
+
     #[test]
     fn sixteen_bit_samples_give_their_high_byte() {
-        let grey = image::ImageBuffer::from_raw(2, 1, vec![0x12ff_u16, 0xff00]).unwrap();
-        assert_eq!(luma_and_colour(DynamicImage::ImageLuma16(grey)).unwrap(), (vec![0x12, 0xff], None));
+        assert_eq!(luma_and_colour(grey16(&[0x12ff, 0xff00]), 16).unwrap(), (vec![0x12, 0xff], None));
         let rgb = image::ImageBuffer::from_raw(1, 1, vec![0x64ff_u16, 0x6400, 0x6480]).unwrap();
-        let (luma, colour) = luma_and_colour(DynamicImage::ImageRgb16(rgb)).unwrap();
+        let (luma, colour) = luma_and_colour(DynamicImage::ImageRgb16(rgb), 16).unwrap();
         assert_eq!((luma, colour.unwrap().into_raw()), (vec![0x64], vec![0x64; 3]));
+    }
+
+    #[test]
+    fn fewer_bits_are_found_over_both_views_together() {
+        let bits = |left: &[u16], right: &[u16]| bits_told([&grey16(left), &grey16(right)], Path::new("test"));
+        let cases: [(u16, u32); 8] =
+            [(255, 8), (256, 10), (1023, 10), (1024, 12), (4095, 12), (4096, 14), (16383, 14), (16384, 16)];
+        for (most, wanted) in cases {
+            assert_eq!((bits(&[0], &[most]), bits(&[most], &[1])), (wanted, wanted), "{most}");
+        }
+        assert_eq!(bits(&[0], &[0]), 16);
+        assert_eq!(luma_and_colour(grey16(&[1023, 512, 3]), 10).unwrap().0, [255, 128, 0]);
+        let grey: DynamicImage = image::GrayImage::new(3, 1).into();
+        assert_eq!(bits_told([&grey, &grey], Path::new("test")), 16);
+    }
+
+    #[test]
+    fn shrinking_takes_means_and_drops_what_fills_no_pixel() {
+        let frame = Frame::from_luma(5, 3, vec![0, 1, 10, 20, 99, 2, 3, 30, 41, 99, 99, 99, 99, 99, 99]);
+        let small = "2".parse::<Shrink>().unwrap().apply(frame.clone());
+        assert_eq!((small.width, small.height, &small.luma[..]), (2, 1, &[2, 25][..]));
+        assert_eq!(Shrink::NONE.apply(frame.clone()), frame);
+        for text in ["0", "9", "-1", "2.5", "x", ""] {
+            assert!(text.parse::<Shrink>().is_err(), "{text}");
+        }
     }
 }

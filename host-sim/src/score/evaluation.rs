@@ -10,7 +10,9 @@ use rayon::prelude::*;
 use crate::output::picture::{self, ColourRange};
 use crate::score::baselines::{self, Baselines, Level};
 use crate::score::degrade::Degradation;
+use crate::score::obstacle_score::ObstacleScore;
 use crate::score::scene::{Region, Scene};
+use crate::score::sure::{SURE, SureScore};
 use crate::score::{MapScore, Score};
 use crate::stereo::disparity_map::DisparityMap;
 use crate::{Geometry, output, stereo::pipeline};
@@ -30,6 +32,23 @@ pub struct Evaluator<'a> {
     pub apart: &'a [Region],
     /// Where the maps go, if anywhere.
     pub maps: Option<&'a Path>,
+    /// What is asked of the evidence.
+    pub evidence: Evidence,
+}
+
+/// What is asked of the confidence and the obstacles.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Evidence {
+    /// From which confidence on an answer is sure.
+    pub sure_from: u8,
+    /// Whether obstacles are looked for.
+    pub obstacles: bool,
+}
+
+impl Default for Evidence {
+    fn default() -> Self {
+        Self { sure_from: SURE, obstacles: false }
+    }
 }
 
 /// A scene's score, and those of OpenCV on it.
@@ -43,6 +62,10 @@ pub struct SceneScore {
     pub score: MapScore,
     /// The same in the regions that are scored apart; `None` where the scene has no such pixel.
     pub apart: Vec<(Region, Option<MapScore>)>,
+    /// What its sure answers are worth.
+    pub sure: SureScore,
+    /// Obstacles in its map and in the truth's, if they were looked for.
+    pub obstacles: Option<ObstacleScore>,
     /// OpenCV's, in the order of [`baselines::METHODS`]; `None` where the file has none.
     pub references: [Option<Score>; baselines::METHODS.len()],
 }
@@ -127,7 +150,11 @@ impl Evaluator<'_> {
         let score_in = |region, density| MapScore::of(&map, &scene.truth, region, density);
         let score = score_in(Region::Scored, reference_density).context("nothing to score")?;
         let apart = self.apart.iter().map(|&region| (region, score_in(region, None))).collect();
-        Ok(SceneScore { name: scene.name.clone(), family: scene.meta.family.clone(), score, apart, references })
+        let Evidence { sure_from, obstacles } = self.evidence;
+        let sure = SureScore::of(&map, &scene.truth, sure_from);
+        let obstacles = obstacles.then(|| ObstacleScore::of(scene, &map, sure_from)).transpose()?;
+        let (name, family) = (scene.name.clone(), scene.meta.family.clone());
+        Ok(SceneScore { name, family, score, apart, sure, obstacles, references })
     }
 
     fn references(&self, scene: &Scene) -> [Option<Score>; baselines::METHODS.len()] {
@@ -166,7 +193,8 @@ mod tests {
         };
         let apart = vec![(Region::Occluded, reference.map(score)), (Region::LeftBand, None)];
         let references = [reference.map(all), None, None];
-        SceneScore { name: String::new(), family: family.to_owned(), score: score(tot2), apart, references }
+        let (name, family, sure) = (String::new(), family.to_owned(), SureScore::default());
+        SceneScore { name, family, score: score(tot2), apart, sure, obstacles: None, references }
     }
 
     #[test]

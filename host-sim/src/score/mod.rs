@@ -10,10 +10,13 @@ pub mod baselines;
 pub mod confidence_classes;
 pub mod degrade;
 pub mod evaluation;
+pub(crate) mod evidence;
+pub mod obstacle_score;
 pub mod report;
 pub mod scene;
 pub mod sparsification;
 pub mod split;
+pub mod sure;
 
 use haarline::Disparity;
 use serde::Serialize;

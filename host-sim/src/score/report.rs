@@ -9,7 +9,10 @@ use serde::Serialize;
 use crate::score::baselines::{Baselines, Level, METHODS};
 use crate::score::degrade::Degradation;
 use crate::score::evaluation::{Mean, SceneScore};
+use crate::score::evidence::{self, SureJson};
+use crate::score::obstacle_score::ObstacleScore;
 use crate::score::scene::Region;
+use crate::score::sure::SureScore;
 use crate::score::{LEAST_DEFAULT_CONFIDENCE, MapScore, Score};
 
 /// Everything that an evaluation found.
@@ -27,6 +30,8 @@ pub struct Report<'a> {
     pub scenes: &'a [SceneScore],
     /// Their mean.
     pub mean: &'a Mean,
+    /// Whether the text tells what the sure answers are worth; the JSON always does.
+    pub shows_sure: bool,
 }
 
 /// Heads of [`Score::FIGURES`] in a table.
@@ -67,7 +72,11 @@ impl Report<'_> {
             add_both(&mut table, self.method, score);
             text += &format!("\n{}, mean over {}\n{}\n", describe_region(*region), count(*scenes), table.trim_fmt());
         }
-        text + LEGEND
+        text += LEGEND;
+        if self.shows_sure {
+            text += &("\n".to_owned() + &evidence::sure_text(self.scenes));
+        }
+        text + &evidence::obstacle_text(self.scenes)
     }
 
     fn describe_baselines(&self) -> String {
@@ -112,7 +121,8 @@ impl Report<'_> {
         let scene = |scene: &SceneScore| {
             let apart = scene.apart.iter().map(|(region, score)| (key_of_region(*region), score.clone()));
             let score = ScoreJson { score: scene.score.clone(), apart: apart.collect() };
-            (scene.name.clone(), SceneJson { score, family: scene.family.clone() })
+            let SceneScore { sure, obstacles, family, .. } = scene.clone();
+            (scene.name.clone(), SceneJson { score, sure, obstacles, family })
         };
         let mean = |mean: &Mean| {
             let apart = mean.apart.iter().map(|(region, score, _)| (key_of_region(*region), Some(score.clone())));
@@ -128,6 +138,8 @@ impl Report<'_> {
             both_gain: self.degradation.both_gain,
             seed: self.degradation.seed,
             mean: mean(self.mean),
+            sure: SureJson::of(self.scenes),
+            obstacles: evidence::sum_of_obstacles(self.scenes),
             families: Mean::by_family(self.scenes).into_iter().map(|(family, of)| (family, mean(&of))).collect(),
             scenes: self.scenes.iter().map(scene).collect(),
             baselines: self.baselines.map(|baselines| self.baselines_json(baselines)),
@@ -165,6 +177,8 @@ struct ReportJson<'a> {
     both_gain: f64,
     seed: u64,
     mean: ScoreJson,
+    sure: SureJson,
+    obstacles: Option<ObstacleScore>,
     families: BTreeMap<&'a str, ScoreJson>,
     scenes: BTreeMap<String, SceneJson>,
     baselines: Option<BaselinesJson>,
@@ -183,6 +197,9 @@ struct ScoreJson {
 struct SceneJson {
     #[serde(flatten)]
     score: ScoreJson,
+    #[serde(flatten)]
+    sure: SureScore,
+    obstacles: Option<ObstacleScore>,
     family: String,
 }
 

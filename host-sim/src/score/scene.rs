@@ -2,22 +2,25 @@
 //!
 //! A scene's folder holds `left.png` and `right.png`; `truth.png`, 16 bits, the disparity of the left
 //! view x 256, 0 = unknown; `nonocc.png`, 255 where both cameras see the point; and `meta.json` with
-//! `num_disparities`, the search range to use, and `family`, the kind of scene.
+//! `num_disparities`, the search range to use, and `family`, the kind of scene. `rig.toml` may be there, too.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, anyhow, ensure};
 use haarline::{Config, Disparity};
+use haarline_rig::Description;
 use image::DynamicImage;
 use serde::{Deserialize, Serialize};
 
-use crate::input::image_file;
+use crate::input::{image_file, rig_file};
 use crate::stereo::method::check_config;
 use crate::{DisparityMap, StereoPair};
 
 /// The files that a scene consists of.
 const FILES: [&str; 5] = ["left.png", "right.png", "truth.png", "nonocc.png", "meta.json"];
+/// The rig that it was seen by: may be missing.
+pub const RIG_FILE: &str = "rig.toml";
 
 /// What `meta.json` tells; more keys may be there.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -125,6 +128,8 @@ pub struct Scene {
     pub truth: Truth,
     /// What else is known.
     pub meta: Meta,
+    /// The rig it was seen by, if that is known.
+    pub rig: Option<Description>,
 }
 
 impl Scene {
@@ -140,7 +145,12 @@ impl Scene {
         let name = folder.canonicalize()?.file_name().map(|name| name.to_string_lossy().into_owned());
         let meta = read_meta(&folder.join("meta.json"))?;
         let pair = StereoPair::read(&folder.join("left.png"), &folder.join("right.png"))?;
-        let scene = Self { name: name.unwrap_or_default(), truth: read_truth(folder, &pair, &meta)?, pair, meta };
+        let rig_path = folder.join(RIG_FILE);
+        let rig = rig_path.is_file().then(|| rig_file::read(&rig_path)).transpose()?;
+        if let Some(rig) = &rig {
+            rig_file::check_size(rig, [pair.width(), pair.height()]).with_context(|| rig_path.display().to_string())?;
+        }
+        let scene = Self { name: name.unwrap_or_default(), truth: read_truth(folder, &pair, &meta)?, pair, meta, rig };
         check_config(&scene.config(), "num_disparities")
             .with_context(|| folder.join("meta.json").display().to_string())?;
         ensure!(

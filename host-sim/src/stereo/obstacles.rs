@@ -35,9 +35,17 @@ impl ObstacleFinder {
     /// # Errors
     /// If the description's fields do not go together.
     pub fn new(description: &Description) -> Result<Self> {
+        Self::with_settings(description, Settings::DEFAULT)
+    }
+
+    /// The same that believes what `settings` say.
+    ///
+    /// # Errors
+    /// As [`ObstacleFinder::new`].
+    pub fn with_settings(description: &Description, settings: Settings) -> Result<Self> {
         let (plan, setup) = (description.plan()?, description.setup::<MAX_SECTORS>()?);
         let size = [setup.config.width, setup.height];
-        let finder = Obstacles::new(size, setup.rig, setup.mounting, setup.sectors, Settings::DEFAULT)?;
+        let finder = Obstacles::new(size, setup.rig, setup.mounting, setup.sectors, settings)?;
         Ok(Self { setup, frame_rate_hz: plan.frame_rate_hz, bearings_deg: plan.bearings_deg().collect(), finder })
     }
 

@@ -13,7 +13,7 @@ use super::operations::Operations;
 use super::{Outcome, Part, Setup, Table};
 use crate::score::Score;
 use crate::score::degrade::Degradation;
-use crate::score::evaluation::{Evaluator, Mean};
+use crate::score::evaluation::{Evaluator, Evidence, Mean};
 use crate::score::report::format_figure;
 use crate::stereo::method::{Method, MethodKind, on_large_stack};
 
@@ -133,7 +133,8 @@ pub fn run(setup: &Setup<'_>) -> Result<Outcome> {
 
 fn try_out(setup: &Setup<'_>, entry: Entry, frames: &'static str, degradation: Degradation) -> Result<Trial> {
     let build = |config| entry.build(config);
-    let evaluator = Evaluator { build: &build, degradation, baselines: None, apart: &[], maps: None };
+    let evidence = Evidence::default();
+    let evaluator = Evaluator { build: &build, degradation, baselines: None, apart: &[], maps: None, evidence };
     let pixels = setup.scenes.iter().map(|scene| scene.pair.left.luma.len()).sum();
     let (scores, operations) = Operations::count(pixels, || evaluator.run(setup.scenes, || setup.progress.inc(1)))?;
     let scores = scores?;
@@ -232,7 +233,7 @@ mod tests {
             first_column: 16,
         };
         let meta = Meta { num_disparities: 16, family: "random".to_owned(), focal_px: None, baseline_mm: None };
-        Scene { name: "random".to_owned(), pair: StereoPair { left: view(0), right: view(5) }, truth, meta }
+        Scene { name: "random".to_owned(), pair: StereoPair { left: view(0), right: view(5) }, truth, meta, rig: None }
     }
 
     #[test]

@@ -20,7 +20,7 @@ fn benchmark_scene(name: &str, scene: &Scene) -> scene::Scene {
     let Rendering { pair, .. } = rendering;
     let num_disparities = scene.num_disparities;
     let meta = Meta { num_disparities, family: "rendered".to_owned(), focal_px: None, baseline_mm: None };
-    scene::Scene { name: name.to_owned(), pair, truth, meta }
+    scene::Scene { name: name.to_owned(), pair, truth, meta, rig: None }
 }
 
 /// Slanted boards of growing nearness and contrast before a faint back.

@@ -18,7 +18,7 @@ use crate::score::degrade::Degradation;
 use crate::score::error_q8;
 use crate::score::scene::Truth;
 use crate::{DisparityMap, Frame, StereoPair};
-pub use texture::Texture;
+pub use texture::{Bars, Texture};
 
 /// Samples of a pixel, across and down: edges mix as on a sensor.
 const SAMPLES: [u32; 2] = [4, 2];
@@ -34,6 +34,15 @@ pub enum Shape {
         columns: [f64; 2],
         /// First and last row.
         rows: [f64; 2],
+    },
+    /// Upright slats in all rows, all alike.
+    Slats {
+        /// First column of one of them.
+        first: f64,
+        /// From one to the next.
+        period: f64,
+        /// Width of each.
+        width: f64,
     },
     /// Around a point.
     Disc {
@@ -51,6 +60,7 @@ impl Shape {
             Self::Rectangle { columns, rows } => {
                 (columns[0]..=columns[1]).contains(&x) && (rows[0]..=rows[1]).contains(&y)
             }
+            Self::Slats { first, period, width } => (x - first).rem_euclid(period) <= width,
             Self::Disc { centre, radius } => (x - centre[0]).hypot(y - centre[1]) <= radius,
         }
     }
@@ -227,6 +237,16 @@ impl Rendering {
         let mut truth = self.truth.clone();
         for (seen, blank) in truth.seen_by_both.iter_mut().zip(&self.is_blank) {
             *seen &= !blank;
+        }
+        truth
+    }
+
+    /// The truth of the pixels without texture alone.
+    #[must_use]
+    pub fn blank_truth(&self) -> Truth {
+        let mut truth = self.truth.clone();
+        for (seen, blank) in truth.seen_by_both.iter_mut().zip(&self.is_blank) {
+            *seen &= blank;
         }
         truth
     }

@@ -15,13 +15,37 @@ pub struct Texture {
     contrast: f64,
     /// Factor on the wavelengths.
     scale: f64,
+    bars: Option<Bars>,
+}
+
+/// Upright bars, all alike.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bars {
+    /// From one bar to the next, px.
+    pub period: f64,
+    /// Share of the period that is bar.
+    pub share: f64,
+    /// Width of an edge, px.
+    pub edge: f64,
+    /// How much darker a bar is than what lies between, grey levels.
+    pub depth: f64,
+}
+
+impl Bars {
+    /// What the bars take away from the grey level.
+    fn at(&self, x: f64) -> f64 {
+        let (place, width) = (x.rem_euclid(self.period), self.share * self.period);
+        // How far inside a bar; negative outside.
+        let inside = if place < width { place.min(width - place) } else { -(place - width).min(self.period - place) };
+        self.depth * (0.5 + inside / self.edge).clamp(0.0, 1.0)
+    }
 }
 
 impl Texture {
     /// Noise of its own for each `index` around `mean`.
     #[must_use]
     pub const fn new(index: u32, mean: f64, contrast: f64) -> Self {
-        Self { index, mean, contrast, scale: 1.0 }
+        Self { index, mean, contrast, scale: 1.0, bars: None }
     }
 
     /// The same, coarser by a factor.
@@ -30,22 +54,29 @@ impl Texture {
         Self { scale, ..self }
     }
 
+    /// The same with bars on it.
+    #[must_use]
+    pub const fn with_bars(self, bars: Bars) -> Self {
+        Self { bars: Some(bars), ..self }
+    }
+
     /// One grey everywhere.
     #[must_use]
     pub const fn blank(grey: f64) -> Self {
-        Self { index: 0, mean: grey, contrast: 0.0, scale: 1.0 }
+        Self { index: 0, mean: grey, contrast: 0.0, scale: 1.0, bars: None }
     }
 
     /// Whether it is one grey everywhere.
     #[must_use]
     pub fn is_blank(&self) -> bool {
-        self.contrast == 0.0
+        self.contrast == 0.0 && self.bars.is_none()
     }
 
     /// The grey level at a point.
     pub(super) fn grey(&self, x: f64, y: f64, seed: u64) -> f64 {
-        if self.is_blank() {
-            return self.mean;
+        let mean = self.mean - self.bars.map_or(0.0, |bars| bars.at(x));
+        if self.contrast == 0.0 {
+            return mean;
         }
         let octave = |(number, (wavelength, weight)): (u64, &(f64, f64))| {
             let lattice = mix(seed ^ mix(u64::from(self.index) << 8 | number));
@@ -54,7 +85,7 @@ impl Texture {
         };
         // Averaging octaves flattens the noise; the factor restores about the range of one.
         let sum: f64 = (0..).zip(&OCTAVES).map(octave).sum();
-        self.mean + self.contrast * (2.2 * sum).clamp(-1.0, 1.0)
+        mean + self.contrast * (2.2 * sum).clamp(-1.0, 1.0)
     }
 }
 
@@ -96,6 +127,15 @@ mod tests {
         assert!((mean - 120.0).abs() < 12.0, "mean {mean}");
         assert!((15.0..45.0).contains(&sigma), "sigma {sigma}");
         assert!(greys.iter().all(|grey| (60.0..=180.0).contains(grey)));
+    }
+
+    #[test]
+    fn bars_are_alike_and_their_edges_ramps() {
+        let fence = Texture::blank(200.0).with_bars(Bars { period: 10.0, share: 0.4, edge: 2.0, depth: 100.0 });
+        let row: Vec<f64> = (0..20).map(|x| fence.grey(f64::from(x), 3.0, 0)).collect();
+        assert_eq!(row[..10], [150.0, 100.0, 100.0, 100.0, 150.0, 200.0, 200.0, 200.0, 200.0, 200.0]);
+        assert_eq!(row[..10], row[10..]);
+        assert!(!fence.is_blank() && fence.grey(-10.0, 0.0, 1) == row[0]);
     }
 
     #[test]

@@ -8,6 +8,7 @@
 )]
 
 mod bad_input;
+mod cases;
 mod contours;
 mod demo;
 mod depth;

@@ -124,8 +124,11 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// Four blocks within 1 px, half a pixel of doubt.
-    pub const DEFAULT: Self = Self { agreeing_blocks: 4, tolerance: 16, doubt: 8, min_confidence: 64 };
+    /// From this confidence on an answer is sure. Only sure ones make an obstacle.
+    pub const SURE: u8 = 64;
+
+    /// Four sure blocks within 1 px, half a pixel of doubt.
+    pub const DEFAULT: Self = Self { agreeing_blocks: 4, tolerance: 16, doubt: 8, min_confidence: Self::SURE };
 }
 
 /// Why obstacles cannot be looked for.

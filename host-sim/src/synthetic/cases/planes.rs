@@ -2,10 +2,9 @@
 
 use rand::RngExt;
 
-use super::{Case, Family, generator};
+use super::{BLUR, Case, Family, WIDTH, generator};
 use crate::synthetic::{Layer, Scene, Shape, Slope, Texture};
 
-const WIDTH: usize = 320;
 const HEIGHT: usize = 240;
 const NUM_DISPARITIES: u16 = 64;
 
@@ -44,9 +43,9 @@ fn plane(seed: u64, index: usize, [per_column, per_row]: [f64; 2]) -> Case {
         height: HEIGHT,
         num_disparities: NUM_DISPARITIES,
         layers,
-        blur: 0.5,
+        blur: BLUR,
         noise: 0.0,
         seed: rng.random(),
     };
-    Case { name: format!("plane_{index:02}"), scene }
+    Case::new(format!("plane_{index:02}"), scene)
 }
