@@ -8,7 +8,7 @@ use common::sparse_property::all_sparse_hold;
 use common::{Subject, all_hold};
 use haarline::contour_stereo::rows_for;
 use haarline::{
-    Config, ConfigError, ContourSettings, ContourStereo, EnvelopeStereo, Full, Lite, Parts, Reading, Scales,
+    Config, ConfigError, ContourSettings, ContourStereo, EnvelopeStereo, Full, Lite, Parts, Reading, Scales, Seeds,
     StereoMethod, WaveletBlock, blocks_for,
 };
 use proptest::prelude::*;
@@ -186,13 +186,18 @@ fn an_invalid_configuration_is_refused_whatever_the_capacity() {
 
 /// Any parts, left out or not.
 fn parts() -> impl Strategy<Value = Parts> {
-    any::<[bool; 6]>().prop_map(|[seeds, extremum, agreement, smoothing, texture, exhaustive]| Parts {
+    let seeds = prop_oneof![
+        Just(Seeds::Contours),
+        any::<u32>().prop_map(Seeds::Random),
+        Just(Seeds::Grid),
+        Just(Seeds::None),
+    ];
+    (seeds, any::<[bool; 4]>()).prop_map(|(seeds, [extremum, agreement, smoothing, texture])| Parts {
         seeds,
         extremum,
         agreement,
         smoothing,
         texture,
-        exhaustive,
     })
 }
 
