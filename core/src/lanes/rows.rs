@@ -260,3 +260,13 @@ unsafe fn five(row: &[u32], byte: usize) -> u32 {
         mean_12221(word(row, byte - 2), word(row, byte - 1), word(row, byte), word(row, byte + 1), word(row, byte + 2))
     }
 }
+
+/// In each lane the least of three bytes of a row, those at `byte - 1`, `byte` and `byte + 1` and on; 255 where one lies outside.
+#[inline(always)]
+pub(crate) fn least_of_three(row: &[u32], byte: usize) -> u32 {
+    if byte.wrapping_sub(1) >= (4 * row.len()).saturating_sub(5) {
+        return u32::MAX;
+    }
+    // SAFETY: 1 <= byte and byte + 5 <= 4 * len.
+    unsafe { super::min(super::min(word(row, byte - 1), word(row, byte)), word(row, byte + 1)) }
+}
