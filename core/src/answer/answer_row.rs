@@ -103,7 +103,7 @@ impl<const WORDS: usize> AnswerRow<WORDS> {
                 let column = 4 * cell + 2 * half + 3;
                 let fit = |label: u8| {
                     let at = usize::try_from(column as i32 - i32::from(label) - i32::from(config.min_disparity)).ok()?;
-                    (at <= last).then(|| window_sad::<1>(sources.left.map(|r| &r[..]), column, sources.right.map(|r| &r[..]), at))
+                    (at <= last).then(|| window_sad(sources.left.map(|r| &r[..]), column, sources.right.map(|r| &r[..]), at))
                 };
                 let (own, other) = (labels[1 - half], labels[half]);
                 if let (Some(own), Some(others)) = (fit(own), fit(other))

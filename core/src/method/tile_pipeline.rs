@@ -4,12 +4,12 @@ use crate::answer::cell::{label, winner};
 use crate::answer::answer_row::{AnswerRow, Sources};
 use crate::answer::cell_row::CellRow;
 use crate::front_end::camera_view::{CameraView, TILE_ROWS, words_for};
-use crate::front_end::exposure::Exposure;
+use crate::front_end::exposure::{Exposure, Gain};
 use crate::front_end::noise::{Noise, NoiseHistogram, SmoothingLevel};
 use crate::lanes::rows::Clips;
 use crate::lanes::{add, add_halves, sub_halves};
 use crate::matching::agreement::{Penalties, extend, normalised};
-use crate::matching::tile::{TileRow, TileSettings};
+use crate::matching::tile::{TileRow, TileSettings, Trials};
 use crate::matching::tile_seed::TileSeeds;
 use crate::method::parts::{Parts, Seeds};
 use crate::stage::{Stage, StageClock, Untimed};
@@ -17,6 +17,8 @@ use crate::{Config, ConfigError, Disparity, DisparityRow, RowError, ScanlinePair
 
 /// Rows of the camera by which the newest smoothed row lags behind: half of the widest filter.
 const SMOOTH_LAG: u32 = 2;
+/// No label: nothing comes near it.
+const NOBODY: u32 = u32::MAX / 2;
 /// Rows of a cell.
 const CELL_HEIGHT: u32 = 2;
 /// Cell rows that are kept: three for an answer and those under way.
@@ -217,18 +219,19 @@ impl<const AGREEMENT: bool, const BLOCKS: usize, C: StageClock> Tiled<AGREEMENT,
         let tiles = self.tiles();
         let row = TileRow::new(&self.config, self.left.tiles(tile_row), self.right.tiles(tile_row), settings.tile);
         let above = (tile_row > 0).then(|| &self.cells[cell_slot(2 * tile_row - 1)].label);
-        let mut left = None;
+        let mut left = NOBODY;
         let mut hypotheses = [0; 8];
+        let mut trials = Trials::new();
         for tile in 0..tiles {
             let mut len = 0;
             let mut propose = |label: u32| {
                 hypotheses[len] = label;
                 len += 1;
             };
-            let mut up = None;
+            let mut up = NOBODY;
             if let Some(above) = above {
                 let at = |cell: usize| u32::from(above[cell]);
-                up = Some(at(2 * tile));
+                up = at(2 * tile);
                 propose(at(2 * tile));
                 propose(at(2 * tile + 1));
                 if tile > 0 {
@@ -238,7 +241,7 @@ impl<const AGREEMENT: bool, const BLOCKS: usize, C: StageClock> Tiled<AGREEMENT,
                     propose(at(2 * tile + 2));
                 }
             }
-            if let Some(left) = left {
+            if left != NOBODY {
                 propose(left);
             }
             match self.parts.seeds {
@@ -253,12 +256,12 @@ impl<const AGREEMENT: bool, const BLOCKS: usize, C: StageClock> Tiled<AGREEMENT,
                 }),
                 Seeds::None => [(); 2],
             };
-            let found = row.search(tile, &hypotheses[..len], left, up);
+            let found = row.search(&mut trials, tile, &hypotheses[..len], left, up);
             self.labels[tile] = found.labels;
             let [a, b, c, d] = found.costs;
             (self.costs[0][2 * tile], self.costs[0][2 * tile + 1]) = (a, b);
             (self.costs[1][2 * tile], self.costs[1][2 * tile + 1]) = (c, d);
-            left = Some(found.best);
+            left = found.best;
         }
         if AGREEMENT && self.parts.agreement {
             self.pass_rightwards(tiles, settings.penalties);
@@ -450,33 +453,51 @@ impl<const AGREEMENT: bool, const BLOCKS: usize, C: StageClock> Tiled<AGREEMENT,
         sink(DisparityRow { y, disparity, confidence: &self.answer.confidence.as_flattened()[..width] });
     }
 
-    fn measure(&mut self, pair: ScanlinePair<'_>) {
-        // Much at first, so that the level is right soon.
-        let (every, stride) = if self.rows < crate::tuning::t(60, 48) as u32 { (1, 4) } else { (4, 16) };
-        if self.rows % every == 0 {
-            let first = (self.rows / every * 5) as usize % stride;
-            self.exposure.sample(pair.left, first, stride);
-            self.exposure.sample(pair.right, first, stride);
+    /// Takes the exposure of some pixels of the row that comes.
+    fn measure_exposure(&mut self, pair: ScanlinePair<'_>) {
+        if let Some(sampling) = Sampling::of(self.rows) {
+            self.exposure.sample(pair.left, sampling.first, sampling.stride);
+            self.exposure.sample(pair.right, sampling.first, sampling.stride);
         }
     }
 
+    /// Takes the noise of some pixels of the row that came before the newest.
     fn measure_noise(&mut self, width: usize) {
-        let (every, stride, weight) = if self.rows < crate::tuning::t(60, 48) as u32 { (1, 4, 1) } else { (4, 16, crate::tuning::t(61,32) as u16) };
+        let Some(sampling) = Sampling::of(self.rows) else { return };
         // A stand-in has no noise of its own, and second differences span three rows.
         let is_whole = !(0..3).any(|back| self.missing >> (self.rows.wrapping_sub(back) % 32) & 1 == 1);
-        if self.rows % every == 0 {
-            if self.rows >= 2 && is_whole {
-                let y = i64::from(self.rows) - 1;
-                let first = (self.rows / every * 5) as usize % stride;
-                for (view, histogram) in [&self.left, &self.right].into_iter().zip(&mut self.histograms) {
-                    histogram.sample([&view.raw(y - 1)[..], &view.raw(y)[..], &view.raw(y + 1)[..]], first, stride, weight, width);
-                }
+        if self.rows >= 2 && is_whole {
+            let y = i64::from(self.rows) - 1;
+            for (view, histogram) in [&self.left, &self.right].into_iter().zip(&mut self.histograms) {
+                let rows = [y - 1, y, y + 1].map(|y| &view.raw(y)[..]);
+                histogram.sample(rows, sampling.first, sampling.stride, sampling.weight, width);
             }
+        }
+        if self.rows < 16 || self.rows % 8 == 0 {
             let [left, right] = &self.histograms;
-            self.noise = Noise::of(left, right, crate::front_end::exposure::Gain::default());
+            self.noise = Noise::of(left, right, Gain::default());
             if !self.parts.smoothing {
                 self.noise.level = SmoothingLevel::Off;
             }
+        }
+    }
+}
+
+/// Which pixels of a row are looked at for noise and exposure: more in a frame's first rows, so that the level is right soon.
+struct Sampling {
+    first: usize,
+    stride: usize,
+    weight: u16,
+}
+
+impl Sampling {
+    fn of(row: u32) -> Option<Self> {
+        let first = (row as usize * 5) % 16;
+        match row {
+            0..16 => Some(Self { first: first % 4, stride: 4, weight: 1 }),
+            16..48 if row.is_multiple_of(2) => Some(Self { first: first % 8, stride: 8, weight: 4 }),
+            48.. if row.is_multiple_of(4) => Some(Self { first, stride: 16, weight: 32 }),
+            _ => None,
         }
     }
 }
@@ -510,7 +531,7 @@ impl<const AGREEMENT: bool, const BLOCKS: usize, C: StageClock> StereoMethod for
         pair.check(self.config.width)?;
         self.clock.enter(Stage::Features);
         self.missing &= !(1 << (self.rows % 32));
-        self.measure(pair);
+        self.measure_exposure(pair);
         let gain = self.exposure.gain();
         self.left.push(pair.left, gain);
         self.right.push(pair.right, gain);
