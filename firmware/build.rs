@@ -7,6 +7,11 @@ use std::{env, fs};
 
 fn main() {
     println!("cargo:rerun-if-changed=build.rs");
+    println!("cargo:rustc-check-cfg=cfg(footprint, values(\"null\", \"lite\", \"full\", \"block\", \"sgm\"))");
+    // The method that the program `footprint` measures.
+    println!("cargo:rerun-if-env-changed=HAARLINE_FOOTPRINT");
+    let measured = env::var("HAARLINE_FOOTPRINT").unwrap_or_else(|_| "null".to_owned());
+    println!("cargo:rustc-cfg=footprint=\"{measured}\"");
     if env::var("CARGO_CFG_TARGET_OS").as_deref() != Ok("none") {
         return;
     }
@@ -28,8 +33,10 @@ fn main() {
     // The emulated machines: a linker script of their own, and what defmt needs.
     let machine = package.join("memory/mps2.x");
     println!("cargo:rerun-if-changed={}", machine.display());
-    println!("cargo:rustc-link-arg-bin=twin=-T{}", machine.display());
-    println!("cargo:rustc-link-arg-bin=twin=-Tdefmt.x");
+    for program in ["twin", "footprint"] {
+        println!("cargo:rustc-link-arg-bin={program}=-T{}", machine.display());
+        println!("cargo:rustc-link-arg-bin={program}=-Tdefmt.x");
+    }
 }
 
 /// The constants of the rig in `HAARLINE_RIG`, a path from the root of the workspace; without it that of

@@ -227,10 +227,10 @@ def struck(rig, kind, frames, words):
     emulated = rig.emulate(kind, frames, "--fault", f"{kind}@1")
     for text in words:
         emulated.says(text)
-    # Frames are counted from 0 again; the names of those that were there before go on with _1.
+    # Frames are counted from 0 again; the names of those after it go on with _1.
     numbers = emulated.numbers
     reset = max(at for at, number in enumerate(numbers) if number == 0)
-    names = [f"{number:06}" + ("_1" if number in numbers[:reset] else "") for number in numbers[reset:]]
+    names = [f"{number:06}_1" for number in numbers[reset:]]
     if reset == 0 or len(names) < 3:
         raise Failure(f"frames {numbers} came, and there should be some from 0 on again")
     # The cameras went on meanwhile: whichever frame comes first then.
@@ -275,8 +275,8 @@ def checks(data, folder):
     lite = Rig(folder, "lite", stereoboard, wiring='"pixel"', row_offset=-1, frame_rate_hz=15)
     lite.method = "lite"
     for rig in [take, lite]:
-        run(HAARLINE, "record", "--recording", data / "stereoboard" / TAKE, "--layout", "side-by-side", "--layout-first",
-            "right", "--first", "right", "--frames", "60..72", "--wiring", "pixel", "-o", rig.dump)
+        run(HAARLINE, "record", "--recording", data / "stereoboard" / TAKE, "--layout", "side-by-side", "--first", "right",
+            "--frames", "60..72", "--wiring", "pixel", "-o", rig.dump)
 
     bare = Rig(folder, "bare", template)
     bare.build("selftest")

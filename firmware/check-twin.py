@@ -59,7 +59,7 @@ class Twin:
         return [folder / "left.png", folder / "right.png", "--method", method, "--num-disparities", disparities]
 
     def recording(self, method="lite"):
-        return ["--recording", self.take, "--side-by-side", "right", "--first", "right", "--method", method,
+        return ["--recording", self.take, "--layout", "side-by-side", "--first", "right", "--method", method,
                 "--num-disparities", 32]
 
     def maps(self, name, *arguments):
@@ -102,7 +102,7 @@ def rig(twin, row_offset):
     text = (Path(__file__).parents[1] / "tests" / "stereoboard.toml").read_text()
     path = twin.folder / f"rig_{row_offset}.toml"
     path.write_text(text.replace("row_offset = 0", f"row_offset = {row_offset}"))
-    told = twin.run("--recording", twin.take, "--side-by-side", "right", "--method", "lite", "--rig", path)
+    told = twin.run("--recording", twin.take, "--layout", "side-by-side", "--first", "right", "--method", "lite", "--rig", path)
     expect("maps unlike the host's", told["different_frames"], [])
     expect("obstacles unlike the host's", told["different_obstacles"], [])
     expect("frames whose obstacles were compared", told["obstacles_compared"], told["frames"])

@@ -1,8 +1,19 @@
 //! Stereo depth on a microcontroller: camera lines in, disparity rows out.
 //!
 //! Without heap and floating point; memory grows with the width of the picture, not with its height.
-//! [`Full`] is the most accurate method, [`Lite`] the cheapest; both are driven by [`StereoMethod`]. How to put them
-//! behind another HAL, from raw camera bytes to obstacles, is in `examples/another_hal.rs`.
+//!
+//! # Start here
+//!
+//! 1. Choose a method: [`Full`] is the most accurate one, [`Lite`] the cheapest. [`Config`] tells both the width of a row and
+//!    the disparities to search.
+//! 2. Push rows: [`StereoMethod::push`] takes a [`ScanlinePair`] of rectified rows and hands out [`DisparityRow`]s a few rows
+//!    later; [`StereoMethod::finish`] hands out the last ones of a frame.
+//! 3. Use what comes out: a [`Rig`] turns a [`Disparity`] into a [`Depth`] in mm, [`Obstacles`] finds the nearest obstacle in
+//!    each direction, [`fill_holes`] guesses what is unknown.
+//!
+//! Where the rows come from: [`Wiring`] takes a camera port's bytes apart, [`framing`] puts lines into frames, [`Paired`] takes
+//! an offset of the cameras away. All of it behind another HAL, from raw bytes to obstacles: `examples/another_hal.rs`. What
+//! the methods are made of, to study or to build another one: [`haar`], [`contour`], [`extremum`], [`pipeline`].
 //!
 //! ```
 //! use haarline::{Config, Depth, Full, Rig, ScanlinePair, StereoMethod, blocks_for};
@@ -77,3 +88,7 @@ pub use stage::{Stage, StageClock, Untimed};
 pub use stereo::StereoMethod;
 pub use wavelet_block::WaveletBlock;
 pub use wiring::Wiring;
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

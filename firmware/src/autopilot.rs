@@ -5,7 +5,7 @@ use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use embassy_sync::signal::Signal;
 use embassy_time::{Duration, Ticker};
 use haarline::setup::Reach;
-use haarline_telemetry::{Link, State};
+use haarline_telemetry::{LEAST_FRAMES_IN_10_S, Link, State};
 
 use crate::edge::PacketSink;
 use crate::lookout::Sighting;
@@ -15,6 +15,28 @@ pub type Sightings<const SECTORS: usize> = Signal<CriticalSectionRawMutex, Sight
 
 /// Heartbeats without a sighting after which nothing is seen: two, since frames come once a second at least.
 const PATIENCE: u8 = 2;
+
+/// How fast frames come.
+#[derive(Debug, Default)]
+struct Pace {
+    last_us: Option<u64>,
+    is_told: bool,
+}
+
+impl Pace {
+    /// Longest time between frames with which an autopilot always has a fresh distance, µs.
+    const MOST_US: u64 = 10_000_000 / LEAST_FRAMES_IN_10_S as u64;
+
+    /// Takes the time of a frame; warns once if they come too slowly.
+    fn take(&mut self, begun_us: u64) {
+        let between = self.last_us.map_or(0, |last| begun_us.saturating_sub(last));
+        self.last_us = Some(begun_us);
+        if between > Self::MOST_US && !self.is_told {
+            self.is_told = true;
+            defmt::warn!("{=u64} ms between frames: autopilots forget a distance after 500 ms", between / 1000);
+        }
+    }
+}
 
 /// Sends messages of vehicle `system` for ever. Without frames there are no obstacles to tell of, and nothing is
 /// repeated: the heartbeat says [`State::Blind`], and the autopilot's own time-out does the rest.
@@ -27,10 +49,12 @@ pub async fn autopilot<const SECTORS: usize>(
     let mut link = Link::new(system);
     let mut ticker = Ticker::every(Duration::from_secs(1));
     let (mut state, mut beats) = (State::Starting, 0_u8);
+    let mut pace = Pace::default();
     loop {
         match select(sightings.wait(), ticker.next()).await {
             Either::First(Sighting { frame, begun_us, sectors, nearest_mm }) => {
                 (state, beats) = (State::Active, 0);
+                pace.take(begun_us);
                 let nearest_mm = nearest_mm.into_iter().take(sectors);
                 sink.send(frame, link.obstacle_distance(begun_us, reach, nearest_mm).as_bytes()).await;
             }

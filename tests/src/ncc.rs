@@ -2,7 +2,7 @@
 
 use haarline::count;
 
-use crate::stereo_bm::{BlockMatcher, Measure, Place, RunningSums, Step, Sums};
+use crate::stereo_bm::{BlockMatcher, Measure, Place, RunningSums, Step, Sums, Winner};
 
 /// [`StereoBm`](crate::StereoBm) with the normalised cross-correlation (NCC) instead of absolute differences; all else is the same.
 ///
@@ -55,7 +55,6 @@ pub struct Correlation<const WIDTH: usize, const DISPARITIES: usize> {
 }
 
 impl<const WIDTH: usize, const DISPARITIES: usize> Sums for Correlation<WIDTH, DISPARITIES> {
-    type Cost = u32;
     const DISPARITIES: usize = DISPARITIES;
 
     fn new() -> Self {
@@ -118,7 +117,7 @@ impl<const WIDTH: usize, const DISPARITIES: usize> Sums for Correlation<WIDTH, D
         }
     }
 
-    fn costs(&mut self, searched: usize) -> &[u32] {
+    fn winner(&mut self, searched: usize) -> Winner {
         // Two products, a quotient; from one.
         count::multiplications(3 * searched);
         count::subtractions(searched);
@@ -126,7 +125,7 @@ impl<const WIDTH: usize, const DISPARITIES: usize> Sums for Correlation<WIDTH, D
         for (cost, (&product, &right)) in self.costs.iter_mut().zip(sums) {
             *cost = cost_of(product, self.left, right);
         }
-        &self.costs[..searched]
+        Winner::find(&self.costs[..searched])
     }
 }
 

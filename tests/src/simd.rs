@@ -9,15 +9,25 @@ mod dsp;
 pub mod paths;
 #[cfg(not(dsp))]
 mod portable;
+pub mod sad;
 
 #[cfg(dsp)]
 use dsp as chosen;
 #[cfg(not(dsp))]
 use portable as chosen;
 
-pub use chosen::{at_least, census_words, max_halves, min_halves};
+pub use chosen::{at_least, at_most_halves, census_words, max_halves, min_halves, min_unsigned_halves, sobel_words};
 #[cfg(not(dsp))]
 pub use portable::{max, saturating_sub};
+
+/// What enters a window, and what leaves it on the other side.
+#[derive(Debug, Clone, Copy)]
+pub struct Step<T> {
+    /// Enters.
+    pub entering: T,
+    /// Leaves.
+    pub leaving: T,
+}
 
 /// The same byte four times.
 #[inline(always)]
@@ -91,6 +101,11 @@ mod tests {
                 let mut three = [a, b, c];
                 three.sort_unstable();
                 prop_assert_eq!(halves(median_halves(word(a), word(b), word(c))), [three[1]; 2]);
+            }
+            let unsigned = |word: u32| halves(word).map(i16::cast_unsigned);
+            for half in 0..2 {
+                let (a, b, c) = (unsigned(a)[half], unsigned(b)[half], [unsigned(min_unsigned_halves(a, b))[half], unsigned(at_most_halves(a, b))[half]]);
+                prop_assert_eq!(c, [a.min(b), if a <= b { u16::MAX } else { 0 }]);
             }
             prop_assert_eq!(halves(max_halves(a, b))[0], halves(a)[0].max(halves(b)[0]));
             prop_assert_eq!(halves(min_halves(a, b))[1], halves(a)[1].min(halves(b)[1]));

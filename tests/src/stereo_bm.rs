@@ -37,6 +37,7 @@
 //! its right margin: <https://github.com/opencv/opencv/pull/9816>. What neither says was found by
 //! comparing maps.
 
+mod absolute;
 mod area;
 mod prefilter;
 mod settings;
@@ -47,12 +48,13 @@ mod winner;
 use haarline::{Config, ConfigError, Disparity, DisparityRow, RowError, ScanlinePair, StereoMethod, count};
 use haarline::{Stage, StageClock, Untimed};
 
+pub use absolute::AbsoluteSums;
 use area::SearchArea;
 pub use prefilter::sobel_x;
 pub use settings::BlockSettings;
-pub use sums::{Absolute, Measure, Place, RunningSums, Step, Sums};
+pub use sums::{Measure, Place, RunningSums, Step, Sums};
 use view::View;
-use winner::Winner;
+pub use winner::Winner;
 
 /// Block matching over `WINDOW` x `WINDOW` px, for rows of up to `WIDTH` px and up to `DISPARITIES`
 /// disparities.
@@ -75,7 +77,7 @@ use winner::Winner;
 /// assert_eq!(method.config().num_disparities, 48);
 /// ```
 pub type StereoBm<const WIDTH: usize, const DISPARITIES: usize, const WINDOW: usize = 9, C = Untimed> =
-    BlockMatcher<RunningSums<Absolute, WIDTH, DISPARITIES>, WIDTH, WINDOW, C>;
+    BlockMatcher<AbsoluteSums<WIDTH, DISPARITIES>, WIDTH, WINDOW, C>;
 
 /// The steps of block matching around the sums `S` of a cost: [`StereoBm`], [`Ssd`](crate::Ssd), [`Ncc`](crate::Ncc).
 #[derive(Debug, Clone)]
@@ -244,6 +246,7 @@ impl<S: Sums, const WIDTH: usize, const WINDOW: usize, C: StageClock> BlockMatch
     }
 
     /// Fills in the window's centre, column `x`, if its winner passes the gates.
+    #[inline(always)]
     fn decide(&mut self, x: usize) {
         count::comparisons(1);
         if self.window_texture < self.settings.texture_threshold {
@@ -252,13 +255,12 @@ impl<S: Sums, const WIDTH: usize, const WINDOW: usize, C: StageClock> BlockMatch
         let searched = usize::from(self.config.num_disparities);
         // Each slides into its place by running sums, whatever the window.
         count::evaluations(searched);
-        let costs = self.sums.costs(searched);
-        let winner = Winner::find(costs);
+        let winner = self.sums.winner(searched);
         let ratio = self.settings.uniqueness_ratio;
         if ratio > 0 && !winner.is_unique(ratio) {
             return;
         }
-        let refined = winner.refine(costs);
+        let refined = winner.refine();
         let q8 = self.disparity_px(winner.index) * 256 + refined;
         self.disparity[x] = Disparity::from_bits(round_up_to_q4(q8));
         self.confidence[x] = winner.margin();

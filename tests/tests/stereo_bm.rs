@@ -49,7 +49,9 @@ fn frames() -> impl Strategy<Value = Frame> {
 
 /// Least disparity and count: mostly ones that leave columns to answer.
 fn ranges() -> impl Strategy<Value = (i16, u16)> {
-    prop_oneof![4 => (-20..=10_i16, 1..=32_u16), 1 => (-128..=128_i16, 1..=32_u16)]
+    // Sixteens are worked on together.
+    let sixteens = prop::sample::select(vec![16_u16, 32]);
+    prop_oneof![3 => (-20..=10_i16, 1..=32_u16), 2 => (-20..=10_i16, sixteens), 1 => (-128..=128_i16, 1..=32_u16)]
 }
 
 fn settings() -> impl Strategy<Value = BlockSettings> {

@@ -5,8 +5,8 @@ use crate::front_end::noise::SmoothingLevel;
 use crate::lanes;
 use crate::lanes::rows::{Clips, FLIP, Mean, gradient_across, gradient_down, mean_across, mean_down};
 
-/// Rows as they came that are kept: five for the widest filter, one more for the contours.
-const RAW_ROWS: u32 = 6;
+/// Rows as they came that are kept: those of the widest filter.
+const RAW_ROWS: u32 = 5;
 /// Smoothed rows that are kept: those of a tile.
 const SMOOTH_ROWS: u32 = 4;
 /// Rows of a tile.
@@ -62,17 +62,13 @@ impl<const WORDS: usize> CameraView<WORDS> {
     pub(crate) fn push(&mut self, pixels: &[u8], gain: Gain) {
         let row = &mut self.raw[(self.raw_len % RAW_ROWS) as usize];
         self.raw_len += 1;
-        let (words, rest) = pixels.as_chunks::<4>();
-        let times = gain.doublings();
-        for (to, &from) in row.iter_mut().skip(1).zip(words) {
-            *to = brighten(u32::from_le_bytes(from), times) ^ FLIP;
-        }
-        if !rest.is_empty()
-            && let Some(to) = row.get_mut(1 + words.len())
-        {
-            let mut last = [0; 4];
-            last[..rest.len()].copy_from_slice(rest);
-            *to = brighten(u32::from_le_bytes(last), times) ^ FLIP;
+        match gain.doublings() {
+            0 => fill(row, pixels, |word| word ^ FLIP),
+            1 => fill(row, pixels, |word| lanes::add(word, word) ^ FLIP),
+            _ => fill(row, pixels, |word| {
+                let twice = lanes::add(word, word);
+                lanes::add(twice, twice) ^ FLIP
+            }),
         }
         replicate_borders(row, pixels.len());
     }
@@ -94,12 +90,7 @@ impl<const WORDS: usize> CameraView<WORDS> {
 
     /// Row `y` after smoothing; above the first and below the newest are the first and the newest.
     pub(crate) fn smooth(&self, y: i64) -> &Row<WORDS> {
-        let y = clamp(y, self.smooth_len);
-        if self.is_smoothed >> (y % 32) & 1 == 1 {
-            &self.smooth[(y % SMOOTH_ROWS) as usize]
-        } else {
-            &self.raw[(y % RAW_ROWS) as usize]
-        }
+        smoothed(&self.raw, &self.smooth, self.is_smoothed, clamp(y, self.smooth_len))
     }
 
     /// Smooths the next row, two rows behind the newest, of `words` words.
@@ -127,15 +118,18 @@ impl<const WORDS: usize> CameraView<WORDS> {
         let y = self.features_len;
         self.features_len += 1;
         let words = words_for(width);
-        let mut out = [0; WORDS];
+        let out = &mut self.features[tile_slot(y / TILE_ROWS)][(y % TILE_ROWS) as usize];
+        let smooth = |y: i64| {
+            let row = smoothed(&self.raw, &self.smooth, self.is_smoothed, clamp(y, self.smooth_len));
+            &row[..words]
+        };
         let at = i64::from(y);
         if y.is_multiple_of(2) {
-            gradient_across([&self.smooth(at)[..words], &self.smooth(at + 1)[..words]], clips, &mut out[..words]);
+            gradient_across([smooth(at), smooth(at + 1)], clips, &mut out[..words]);
         } else {
-            gradient_down([&self.smooth(at - 1)[..words], &self.smooth(at + 1)[..words]], clips, &mut out[..words]);
+            gradient_down([smooth(at - 1), smooth(at + 1)], clips, &mut out[..words]);
         }
-        replicate_borders(&mut out, width);
-        self.features[tile_slot(y / TILE_ROWS)][(y % TILE_ROWS) as usize] = out;
+        replicate_borders(out, width);
     }
 
     /// The features of a row of tiles.
@@ -157,16 +151,29 @@ fn clamp(y: i64, len: u32) -> u32 {
     u32::try_from(y).unwrap_or(0).min(len.saturating_sub(1))
 }
 
-/// Doubles each lane so many times, saturating.
+/// Row `y` after smoothing, or as it came if it was not smoothed.
+fn smoothed<'a, const WORDS: usize>(
+    raw: &'a [Row<WORDS>; RAW_ROWS as usize],
+    smooth: &'a [Row<WORDS>; SMOOTH_ROWS as usize],
+    is_smoothed: u32,
+    y: u32,
+) -> &'a Row<WORDS> {
+    if is_smoothed >> (y % 32) & 1 == 1 { &smooth[(y % SMOOTH_ROWS) as usize] } else { &raw[(y % RAW_ROWS) as usize] }
+}
+
+/// Fills a row with the words of its pixels.
 #[inline(always)]
-fn brighten(word: u32, times: u32) -> u32 {
-    match times {
-        0 => word,
-        1 => lanes::add(word, word),
-        _ => {
-            let twice = lanes::add(word, word);
-            lanes::add(twice, twice)
-        }
+fn fill(row: &mut [u32], pixels: &[u8], word: impl Fn(u32) -> u32) {
+    let Some(row) = row.get_mut(1..) else { return };
+    let (eights, rest) = pixels.as_chunks::<8>();
+    let (pairs, _) = row.as_chunks_mut::<2>();
+    for (to, &[a, b, c, d, e, f, g, h]) in pairs.iter_mut().zip(eights) {
+        *to = [word(u32::from_le_bytes([a, b, c, d])), word(u32::from_le_bytes([e, f, g, h]))];
+    }
+    for (to, rest) in row.iter_mut().skip(2 * eights.len()).zip(rest.chunks(4)) {
+        let mut last = [0; 4];
+        last[..rest.len()].copy_from_slice(rest);
+        *to = word(u32::from_le_bytes(last));
     }
 }
 

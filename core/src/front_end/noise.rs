@@ -159,9 +159,9 @@ impl Noise {
         let least = |percent| gain.apply(left.percentile(percent).min(right.percentile(percent)));
         // sigma 2.5, 5 and 15 grey levels at the 30th percentile
         let level = match least(30) {
-            v if v < crate::tuning::t(5, 92) as u32 => SmoothingLevel::Off,
-            v if v < crate::tuning::t(6, 150) as u32 => SmoothingLevel::Light,
-            v if v < crate::tuning::t(7, 554) as u32 => SmoothingLevel::Medium,
+            0..110 => SmoothingLevel::Off,
+            110..150 => SmoothingLevel::Light,
+            150..554 => SmoothingLevel::Medium,
             _ => SmoothingLevel::Strong,
         };
         Self { floor: u16::try_from(least(10)).unwrap_or(u16::MAX), level }

@@ -101,3 +101,12 @@ pub(crate) fn sub_halves(a: u32, b: u32) -> u32 {
     unsafe { asm!("usub16 {}, {}, {}", lateout(reg) result, in(reg) a, in(reg) b, options(pure, nomem, nostack)) };
     result
 }
+
+/// Sum of the lanes modulo 256.
+#[inline(always)]
+pub(crate) fn wrapping_add(a: u32, b: u32) -> u32 {
+    let result;
+    // SAFETY: works on registers only.
+    unsafe { asm!("uadd8 {}, {}, {}", lateout(reg) result, in(reg) a, in(reg) b, options(pure, nomem, nostack)) };
+    result
+}

@@ -51,8 +51,8 @@ pub(crate) fn difference(a: u32, b: u32) -> u32 {
     sub(a, b) | sub(b, a)
 }
 
-/// The first lane that is 0; one must be.
+/// By how many bits the first lane that is 0 lies above lane 0; one must be.
 #[inline(always)]
-pub(crate) fn normalised_place(word: u32) -> u32 {
-    select_ge(0, word, ONES, 0).trailing_zeros() / 8 & 3
+pub(crate) fn zero_lane_bits(word: u32) -> u32 {
+    select_ge(0, word, ONES, 0).trailing_zeros() & 24
 }

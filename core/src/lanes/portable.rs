@@ -125,3 +125,9 @@ pub(crate) const fn add_halves(a: u32, b: u32) -> u32 {
 pub(crate) const fn sub_halves(a: u32, b: u32) -> u32 {
     ((a | 0x8000_8000) - (b & 0x7fff_7fff)) ^ ((a ^ !b) & 0x8000_8000)
 }
+
+/// Sum of the lanes modulo 256 (UADD8).
+#[inline(always)]
+pub(crate) const fn wrapping_add(a: u32, b: u32) -> u32 {
+    sum(a, b).0
+}

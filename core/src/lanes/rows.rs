@@ -4,7 +4,7 @@
 //! then reads without a check for each word.
 #![expect(unsafe_code, reason = "words at byte offsets that are no multiple of four, without a check for each")]
 
-use super::{sad_add, signed_add, signed_halved_sum, signed_sub, splat, sub};
+use super::{sad_add, signed_add, signed_halved_sum, signed_sub, splat, sub, wrapping_add};
 
 /// Flips unsigned bytes, 0 to 255, to signed ones, -128 to 127, and back.
 pub(crate) const FLIP: u32 = 0x8080_8080;
@@ -60,20 +60,30 @@ impl Clips {
 #[inline(always)]
 fn clip_row(clips: Clips, out: &mut [u32], gradient: impl Fn(usize) -> u32) {
     let last = out.len().saturating_sub(1);
+    let Some(out) = out.get_mut(1..last) else { return };
     let Clips { wide, narrow } = clips;
     match narrow {
-        Some(narrow) => {
-            for i in 1..last {
-                let gradient = gradient(i);
-                // The offset of 128 is taken from one of the two, so that the sum stays within a byte.
-                out[i] = wide.of(gradient) + (narrow.of(gradient) ^ FLIP);
-            }
-        }
-        None => {
-            for i in 1..last {
-                out[i] = wide.of(gradient(i));
-            }
-        }
+        // The two offsets of 128 cancel modulo 256.
+        Some(narrow) => each_word(out, |i| {
+            let gradient = gradient(i);
+            wrapping_add(wide.of(gradient), narrow.of(gradient))
+        }),
+        None => each_word(out, |i| wide.of(gradient(i))),
+    }
+}
+
+/// Fills words by their number from 1 on, two at a time.
+#[inline(always)]
+fn each_word(out: &mut [u32], word: impl Fn(usize) -> u32) {
+    let mut i = 1;
+    let (pairs, rest) = out.as_chunks_mut::<2>();
+    for pair in pairs {
+        let (a, b) = (word(i), word(i + 1));
+        *pair = [a, b];
+        i += 2;
+    }
+    for last in rest {
+        *last = word(i);
     }
 }
 
@@ -153,18 +163,38 @@ pub(crate) fn tile_sad<const BLOCKS: usize>(
     sums
 }
 
-/// Sum of absolute differences of windows of 4 x 2 or 8 x 2 columns, that begin at any byte. At most `u32::MAX` where one lies outside.
+/// Sum of absolute differences of windows of 4 x 2 columns, that begin at any byte. All rows must be equally long.
 #[inline(always)]
-pub(crate) fn window_sad<const WORDS: usize>(left_rows: [&[u32]; 2], left: usize, right_rows: [&[u32]; 2], right: usize) -> u32 {
+pub(crate) fn window_sad(left_rows: [&[u32]; 2], left: usize, right_rows: [&[u32]; 2], right: usize) -> u32 {
     let mut sum = 0;
     for (a, b) in left_rows.into_iter().zip(right_rows) {
-        assert!(left + 4 * WORDS <= 4 * a.len() && right + 4 * WORDS <= 4 * b.len());
-        for i in 0..WORDS {
-            // SAFETY: checked above.
-            sum = unsafe { sad_add(word(a, left + 4 * i), word(b, right + 4 * i), sum) };
-        }
+        assert!(left + 4 <= 4 * a.len() && right + 4 <= 4 * b.len());
+        // SAFETY: checked above.
+        sum = unsafe { sad_add(word(a, left), word(b, right), sum) };
     }
     sum
+}
+
+/// A window of 8 columns of two rows, that begins at any byte.
+#[derive(Clone, Copy)]
+pub(crate) struct Window([u32; 4]);
+
+impl Window {
+    /// The window at a byte of two equally long rows.
+    #[inline(always)]
+    pub(crate) fn of<const WORDS: usize>(rows: [&[u32; WORDS]; 2], byte: usize) -> Self {
+        assert!(byte + 8 <= 4 * WORDS);
+        let [a, b] = rows;
+        // SAFETY: checked above.
+        unsafe { Self([word(a, byte), word(a, byte + 4), word(b, byte), word(b, byte + 4)]) }
+    }
+
+    /// Sum of absolute differences.
+    #[inline(always)]
+    pub(crate) fn sad(self, other: Self) -> u32 {
+        let ([a, b, c, d], [e, f, g, h]) = (self.0, other.0);
+        sad_add(d, h, sad_add(c, g, sad_add(b, f, super::sad(a, e))))
+    }
 }
 
 /// The word at any byte of a row; 0 where it lies outside.
@@ -259,4 +289,14 @@ unsafe fn five(row: &[u32], byte: usize) -> u32 {
     unsafe {
         mean_12221(word(row, byte - 2), word(row, byte - 1), word(row, byte), word(row, byte + 1), word(row, byte + 2))
     }
+}
+
+/// In each lane the least of three bytes of a row, those at `byte - 1`, `byte` and `byte + 1` and on; 255 where one lies outside.
+#[inline(always)]
+pub(crate) fn least_of_three(row: &[u32], byte: usize) -> u32 {
+    if byte.wrapping_sub(1) >= (4 * row.len()).saturating_sub(5) {
+        return u32::MAX;
+    }
+    // SAFETY: 1 <= byte and byte + 5 <= 4 * len.
+    unsafe { super::min(super::min(word(row, byte - 1), word(row, byte)), word(row, byte + 1)) }
 }

@@ -14,6 +14,23 @@ pub(crate) struct Penalties {
     jump: u32,
 }
 
+/// What a step from one label of a tile to the next one costs: the slope's price where that is one more, else 255.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Steps {
+    /// From the label of a lane to that of the next one.
+    up: u32,
+    /// From the label of a lane to that of the one before.
+    down: u32,
+}
+
+impl Steps {
+    /// Less than 255 in the lanes whose neighbours are the labels one less and one more.
+    #[inline(always)]
+    pub(crate) const fn both(self) -> u32 {
+        self.up | self.down
+    }
+}
+
 impl Penalties {
     pub(crate) const fn new(slope: u32, jump: u32) -> Self {
         Self { slope, jump: splat(jump) }
@@ -26,18 +43,19 @@ impl Penalties {
         min(select_ge(ONES, distance, (distance & ONES) * self.slope, u32::MAX), self.jump)
     }
 
-    /// For each label what the step to it from the one before costs: the slope's price where it is one more, else 255.
+    /// What steps between the labels of a tile cost.
     #[inline(always)]
-    pub(crate) fn steps(self, labels: u32) -> u32 {
+    pub(crate) fn steps(self, labels: u32) -> Steps {
         let gaps = wrapping_sub(labels >> 8, labels) ^ ONES;
-        select_ge(0, gaps, splat(self.slope), u32::MAX) | 0xff00_0000
+        let up = select_ge(0, gaps, splat(self.slope), u32::MAX) | 0xff00_0000;
+        Steps { up, down: up << 8 | 0xff }
     }
 
     /// What a cell whose path sums are `sums` tells one that has the same labels.
     #[inline(always)]
-    pub(crate) fn same_labels(self, sums: u32, steps: u32) -> u32 {
-        let from_above = add(sums >> 8, steps);
-        let from_below = add(sums << 8, steps << 8 | 0xff);
+    pub(crate) fn same_labels(self, sums: u32, steps: Steps) -> u32 {
+        let from_above = add(sums >> 8, steps.up);
+        let from_below = add(sums << 8, steps.down);
         min(min(min(from_above, from_below), sums), self.jump)
     }
 

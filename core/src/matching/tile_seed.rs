@@ -2,7 +2,7 @@
 
 use crate::Config;
 use crate::front_end::camera_view::{CameraView, Row};
-use crate::lanes::rows::{responses, window_sad};
+use crate::lanes::rows::{Window, responses};
 use crate::lanes::{ONES, greatest, max, select_ge};
 
 /// Marks a tile without a seed on that side.
@@ -117,23 +117,24 @@ impl<const WORDS: usize> TileSeeds<WORDS> {
                 start += 1;
             }
             let (mut best, mut second, mut partner) = (u32::MAX, u32::MAX, usize::MAX);
-            for (j, candidate) in candidates.iter().enumerate().skip(start) {
+            let window = Window::of(left_rows, contour.column());
+            let strength = contour.strength();
+            let Some((candidates, suitors)) = candidates.get(start..).zip(suitor.get_mut(start..)) else { break };
+            for (j, (candidate, suitor)) in (start..).zip(candidates.iter().zip(suitors)) {
                 if column - (candidate.column() as i32) < least {
                     break;
                 }
-                let (a, b) = (contour.strength(), candidate.strength());
-                if a > 2 * b || b > 2 * a {
+                let other = candidate.strength();
+                if strength > 2 * other || other > 2 * strength {
                     continue;
                 }
-                let cost = window_sad::<2>(left_rows, contour.column(), right_rows, candidate.column());
+                let cost = window.sad(Window::of(right_rows, candidate.column()));
                 if cost < best {
                     (second, best, partner) = (best, cost, j);
                 } else if cost < second {
                     second = cost;
                 }
-                if let Some(suitor) = suitor.get_mut(j)
-                    && cost < suitor.0
-                {
+                if cost < suitor.0 {
                     *suitor = (cost, i);
                 }
             }
@@ -172,6 +173,6 @@ impl<const WORDS: usize> TileSeeds<WORDS> {
 }
 
 /// The two rows in the middle of a tile.
-fn middle<const WORDS: usize>(rows: &[Row<WORDS>; 4]) -> [&[u32]; 2] {
+fn middle<const WORDS: usize>(rows: &[Row<WORDS>; 4]) -> [&Row<WORDS>; 2] {
     [&rows[1], &rows[2]]
 }

@@ -1,14 +1,15 @@
 //! The pipeline of `full` and `lite`: rows in, tiles matched row by row, rows out, the work spread over the rows.
 
-use crate::answer::cell::winner;
-use crate::answer::cell_rows::{AnswerRow, Answering, CELL_ROWS, CellRow, OFFSET};
+use crate::answer::cell::{label, winner};
+use crate::answer::answer_row::{AnswerRow, Sources};
+use crate::answer::cell_row::CellRow;
 use crate::front_end::camera_view::{CameraView, TILE_ROWS, words_for};
-use crate::front_end::exposure::Exposure;
+use crate::front_end::exposure::{Exposure, Gain};
 use crate::front_end::noise::{Noise, NoiseHistogram, SmoothingLevel};
 use crate::lanes::rows::Clips;
-use crate::lanes::{ONES, add, add_halves, difference, min, select_ge, splat, sub};
+use crate::lanes::{add, add_halves, sub_halves};
 use crate::matching::agreement::{Penalties, extend, normalised};
-use crate::matching::tile::{TileRow, TileSettings};
+use crate::matching::tile::{TileRow, TileSettings, Trials};
 use crate::matching::tile_seed::TileSeeds;
 use crate::method::parts::{Parts, Seeds};
 use crate::stage::{Stage, StageClock, Untimed};
@@ -16,8 +17,12 @@ use crate::{Config, ConfigError, Disparity, DisparityRow, RowError, ScanlinePair
 
 /// Rows of the camera by which the newest smoothed row lags behind: half of the widest filter.
 const SMOOTH_LAG: u32 = 2;
+/// No label: nothing comes near it.
+const NOBODY: u32 = u32::MAX / 2;
 /// Rows of a cell.
 const CELL_HEIGHT: u32 = 2;
+/// Cell rows that are kept: three for an answer and those under way.
+const CELL_ROWS: u32 = 5;
 
 /// What depends on the noise.
 #[derive(Clone, Copy)]
@@ -53,8 +58,8 @@ pub struct Tiled<const AGREEMENT: bool, const BLOCKS: usize, C = Untimed> {
     from_top: [u32; BLOCKS],
     pending: [u32; BLOCKS],
     costs_above: [u32; BLOCKS],
-    cells: [CellRow<BLOCKS>; CELL_ROWS],
-    answers: [AnswerRow<BLOCKS>; 2],
+    cells: [CellRow<BLOCKS>; CELL_ROWS as usize],
+    answer: AnswerRow<BLOCKS>,
     disparity: [[Disparity; 4]; BLOCKS],
     /// Rows of this frame pushed or missed so far.
     rows: u32,
@@ -119,8 +124,8 @@ impl<const AGREEMENT: bool, const BLOCKS: usize, C: StageClock> Tiled<AGREEMENT,
             from_top: [0; BLOCKS],
             pending: [0; BLOCKS],
             costs_above: [0; BLOCKS],
-            cells: [const { CellRow::EMPTY }; CELL_ROWS],
-            answers: [const { AnswerRow::EMPTY }; 2],
+            cells: [const { CellRow::EMPTY }; CELL_ROWS as usize],
+            answer: AnswerRow::EMPTY,
             disparity: [[Disparity::UNKNOWN; 4]; BLOCKS],
             rows: 0,
             answered: 0,
@@ -174,10 +179,16 @@ impl<const AGREEMENT: bool, const BLOCKS: usize, C: StageClock> Tiled<AGREEMENT,
             let tile_row = (done / TILE_ROWS).wrapping_sub(1);
             match done % TILE_ROWS {
                 0 => self.pair_contours(tile_row),
-                1 if done > TILE_ROWS => self.search(tile_row, settings),
+                1 if done > TILE_ROWS => {
+                    if tile_row > 0 {
+                        self.answer(tile_row - 1);
+                    }
+                    self.search(tile_row, settings);
+                }
                 2 if done > TILE_ROWS => self.agree(tile_row, settings),
                 3 => {
                     if done > TILE_ROWS {
+                        self.smooth(tile_row);
                         self.answer(tile_row);
                     }
                     self.clock.enter(Stage::Contours);
@@ -207,19 +218,20 @@ impl<const AGREEMENT: bool, const BLOCKS: usize, C: StageClock> Tiled<AGREEMENT,
         self.clock.enter(Stage::Blocks);
         let tiles = self.tiles();
         let row = TileRow::new(&self.config, self.left.tiles(tile_row), self.right.tiles(tile_row), settings.tile);
-        let above = (tile_row > 0).then(|| self.cells[cell_slot(2 * tile_row - 1)].label.as_flattened());
-        let mut left = None;
+        let above = (tile_row > 0).then(|| &self.cells[cell_slot(2 * tile_row - 1)].label);
+        let mut left = NOBODY;
         let mut hypotheses = [0; 8];
+        let mut trials = Trials::new();
         for tile in 0..tiles {
             let mut len = 0;
             let mut propose = |label: u32| {
                 hypotheses[len] = label;
                 len += 1;
             };
-            let mut up = None;
+            let mut up = NOBODY;
             if let Some(above) = above {
                 let at = |cell: usize| u32::from(above[cell]);
-                up = Some(at(2 * tile));
+                up = at(2 * tile);
                 propose(at(2 * tile));
                 propose(at(2 * tile + 1));
                 if tile > 0 {
@@ -229,7 +241,7 @@ impl<const AGREEMENT: bool, const BLOCKS: usize, C: StageClock> Tiled<AGREEMENT,
                     propose(at(2 * tile + 2));
                 }
             }
-            if let Some(left) = left {
+            if left != NOBODY {
                 propose(left);
             }
             match self.parts.seeds {
@@ -244,12 +256,12 @@ impl<const AGREEMENT: bool, const BLOCKS: usize, C: StageClock> Tiled<AGREEMENT,
                 }),
                 Seeds::None => [(); 2],
             };
-            let found = row.search(tile, &hypotheses[..len], left, up);
+            let found = row.search(&mut trials, tile, &hypotheses[..len], left, up);
             self.labels[tile] = found.labels;
             let [a, b, c, d] = found.costs;
             (self.costs[0][2 * tile], self.costs[0][2 * tile + 1]) = (a, b);
             (self.costs[1][2 * tile], self.costs[1][2 * tile + 1]) = (c, d);
-            left = Some(found.best);
+            left = found.best;
         }
         if AGREEMENT && self.parts.agreement {
             self.pass_rightwards(tiles, settings.penalties);
@@ -291,109 +303,132 @@ impl<const AGREEMENT: bool, const BLOCKS: usize, C: StageClock> Tiled<AGREEMENT,
         let tiles = self.tiles();
         let mut right = [0; 2];
         let mut after = self.labels[tiles - 1];
-        let slots = [cell_slot(2 * tile_row + 5), cell_slot(2 * tile_row), cell_slot(2 * tile_row + 1)];
-        for tile in (0..tiles).rev() {
-            let labels = self.labels[tile];
-            let above = self.labels_above[tile];
+        let slots = [cell_slot(2 * tile_row + CELL_ROWS - 1), cell_slot(2 * tile_row), cell_slot(2 * tile_row + 1)];
+        let Ok([row_above, upper_row, lower_row]) = self.cells.get_disjoint_mut(slots) else { return };
+        let mut cells_above = row_above.cells(tiles).rev();
+        let mut upper_cells = upper_row.cells(tiles).rev();
+        let mut lower_labels = lower_row.label[..2 * tiles].iter_mut().rev();
+        let costs = [&self.costs[0], &self.costs[1]].map(|row| &row[..2 * tiles]);
+        let lefts = [&self.from_left[0], &self.from_left[1]].map(|row| &row[..2 * tiles]);
+        let state = self.from_top[..2 * tiles].iter_mut().zip(&mut self.pending[..2 * tiles]).zip(&mut self.costs_above[..2 * tiles]);
+        let state = state.zip(lefts[0].iter().zip(lefts[1])).zip(costs[0].iter().zip(costs[1]));
+        let mut state = state.rev();
+        for (&labels, above_labels) in self.labels[..tiles].iter().zip(&mut self.labels_above[..tiles]).rev() {
+            let above = *above_labels;
             let steps = penalties.steps(labels);
-            for cell in [2 * tile + 1, 2 * tile] {
+            let steps_above = penalties.steps(above);
+            let is_same = above == labels;
+            for half in 0..2 {
+                let Some(((((from_top, pending), costs_above), lefts), costs)) = state.next() else { break };
+                let (lefts, costs) = ([*lefts.0, *lefts.1], [*costs.0, *costs.1]);
                 let mut along = [0; 2];
                 for row in 0..2 {
-                    let message = if cell == 2 * tile || after == labels {
+                    let message = if half == 1 || after == labels {
                         penalties.same_labels(right[row], steps)
                     } else {
                         penalties.other_labels(right[row], after, labels)
                     };
-                    right[row] = extend(self.costs[row][cell], message);
-                    along[row] = add(self.from_left[row][cell], right[row]);
+                    right[row] = extend(costs[row], message);
+                    along[row] = add(lefts[row], right[row]);
                 }
-                let costs = [self.costs[0][cell], self.costs[1][cell]];
-                let is_same = above == labels;
                 let message = match tile_row {
                     0 => 0,
-                    _ if is_same => penalties.same_labels(self.from_top[cell], steps),
-                    _ => penalties.other_labels(self.from_top[cell], above, labels),
+                    _ if is_same => penalties.same_labels(*from_top, steps),
+                    _ => penalties.other_labels(*from_top, above, labels),
                 };
                 let top = extend(costs[0], message);
                 let lower_top = extend(costs[1], penalties.same_labels(top, steps));
-                let sums = [normalised(add(along[0], top)), normalised(add(along[1], lower_top))];
-                if tile_row > 0 {
+                if let Some(cell) = cells_above.next()
+                    && tile_row > 0
+                {
                     let upper = normalised(along[0]);
                     let message = if is_same {
                         penalties.same_labels(upper, steps)
                     } else {
                         penalties.other_labels(upper, labels, above)
                     };
-                    let whole = normalised(add(self.pending[cell], message));
-                    self.cells[slots[0]].set(cell, winner(whole, above, self.costs_above[cell]));
+                    cell.set(winner(extend(*pending, message), above, *costs_above, steps_above.both()));
                 }
                 let lower = penalties.same_labels(normalised(along[1]), steps);
-                self.cells[slots[1]].set(cell, winner(normalised(add(sums[0], lower)), labels, costs[0]));
-                self.cells[slots[2]].set(cell, winner(sums[1], labels, costs[1]));
-                self.from_top[cell] = lower_top;
-                self.pending[cell] = sums[1];
-                self.costs_above[cell] = costs[1];
+                let sums = normalised(add(along[0], top));
+                if let Some(cell) = upper_cells.next() {
+                    cell.set(winner(extend(sums, lower), labels, costs[0], steps.both()));
+                }
+                let sums = normalised(add(along[1], lower_top));
+                if let Some(lower_label) = lower_labels.next() {
+                    *lower_label = label(sums, labels);
+                }
+                *from_top = lower_top;
+                *pending = sums;
+                *costs_above = costs[1];
             }
-            self.labels_above[tile] = labels;
+            *above_labels = labels;
             after = labels;
         }
     }
 
     /// Without agreement: each cell takes its least cost, and pays a little for a label that its neighbours have not.
     fn decide_alone(&mut self, tile_row: u32, tiles: usize, penalties: Penalties) {
-        for row in 0..2 {
-            let cell_row = 2 * tile_row + row as u32;
+        for (row, costs) in (0..).zip(&self.costs) {
+            let cell_row = 2 * tile_row + row;
+            let slots = [cell_slot(cell_row + CELL_ROWS - 1), cell_slot(cell_row)];
+            let Ok([above, out]) = self.cells.get_disjoint_mut(slots) else { return };
             let mut left = None;
-            let above = self.cells[cell_slot(cell_row + 5)].label;
-            let out = &mut self.cells[cell_slot(cell_row)];
-            for cell in 0..2 * tiles {
-                let labels = self.labels[cell / 2];
-                let costs = self.costs[row][cell];
-                let mut sums = costs;
-                if let Some(left) = left {
-                    sums = add(sums, penalties.of(labels, left));
+            let above = above.label[..2 * tiles].as_chunks::<2>().0;
+            let costs = costs[..2 * tiles].as_chunks::<2>().0;
+            let mut cells = out.cells(tiles);
+            for ((&labels, above), costs) in self.labels[..tiles].iter().zip(above).zip(costs) {
+                let beside = penalties.steps(labels).both();
+                for (&above, &costs) in above.iter().zip(costs) {
+                    let mut sums = costs;
+                    if let Some(left) = left {
+                        sums = add(sums, penalties.of(labels, left));
+                    }
+                    if cell_row > 0 {
+                        sums = add(sums, penalties.of(labels, u32::from(above)));
+                    }
+                    let found = winner(normalised(sums), labels, costs, beside);
+                    left = Some(u32::from(found.label));
+                    if let Some(cell) = cells.next() {
+                        cell.set(found);
+                    }
                 }
-                if cell_row > 0 {
-                    sums = add(sums, penalties.of(labels, u32::from(above.as_flattened()[cell])));
-                }
-                let found = winner(normalised(sums), labels, costs);
-                left = Some(u32::from(found.label));
-                out.set(cell, found);
             }
         }
     }
 
-    /// Answers the cell rows that have become final.
-    fn answer(&mut self, tile_row: u32) {
-        self.clock.enter(Stage::Consistency);
-        let final_row = if AGREEMENT && self.parts.agreement { 2 * tile_row } else { 2 * tile_row + 1 };
-        self.answer_until(final_row, tile_row);
-    }
-
-    /// Answers the cell rows above `final_row`, the last one that is final.
-    fn answer_until(&mut self, final_row: u32, _tile_row: u32) {
-        let width = usize::from(self.config.width);
-        let cells = width.div_ceil(4);
-        let first_new = if final_row < 2 { 0 } else { final_row - 1 };
-        for row in first_new..=final_row {
+    /// Smooths the cell rows that the row of tiles made final.
+    fn smooth(&mut self, tile_row: u32) {
+        let cells = usize::from(self.config.width).div_ceil(4);
+        let last = self.last_final(tile_row);
+        for row in last.saturating_sub(1)..=last {
             self.cells[cell_slot(row)].smooth(cells);
         }
-        while self.answered < final_row {
-            let row = self.answered;
-            let above = row.saturating_sub(1);
-            let tile_row = row / 2;
-            let inside = 2 * (row as usize % 2);
-            let (left, right) = (self.left.tiles(tile_row), self.right.tiles(tile_row));
-            let answering = Answering {
-                rows: [above, row, row + 1].map(|row| &self.cells[cell_slot(row)]),
-                left: [&left[inside], &left[inside + 1]],
-                right: [&right[inside], &right[inside + 1]],
-                min_disparity: i32::from(self.config.min_disparity),
-                width,
-            };
-            answering.answer(&mut self.answers[(row % 2) as usize]);
-            self.answered += 1;
+    }
+
+    /// The last cell row that is final once this row of tiles is decided.
+    fn last_final(&self, tile_row: u32) -> u32 {
+        // The row below has its say in the agreement.
+        2 * tile_row + u32::from(!(AGREEMENT && self.parts.agreement))
+    }
+
+    /// Answers the next cell row, if the row below it is final.
+    fn answer(&mut self, tile_row: u32) {
+        let row = self.answered;
+        if row >= self.last_final(tile_row) {
+            return;
         }
+        self.clock.enter(Stage::Consistency);
+        let tile_row = row / 2;
+        let inside = 2 * (row % 2) as usize;
+        let (left, right) = (self.left.tiles(tile_row), self.right.tiles(tile_row));
+        let sources = Sources {
+            rows: [row.saturating_sub(1), row, row + 1].map(|row| &self.cells[cell_slot(row)]),
+            left: [&left[inside], &left[inside + 1]],
+            right: [&right[inside], &right[inside + 1]],
+        };
+        self.answer.answer(&self.config, &sources);
+        self.answered += 1;
     }
 
     /// Delivers the next row, if it is answered.
@@ -405,67 +440,64 @@ impl<const AGREEMENT: bool, const BLOCKS: usize, C: StageClock> Tiled<AGREEMENT,
         self.clock.enter(Stage::Consistency);
         self.delivered += 1;
         let width = usize::from(self.config.width);
-        let cells = width.div_ceil(4);
-        let answer = &self.answers[(y / CELL_HEIGHT % 2) as usize];
         if self.missing >> (y % 32) & 1 == 1 {
-            let unknown = [[Disparity::UNKNOWN; 4]; BLOCKS];
-            let none = [[0; 4]; BLOCKS];
+            let (unknown, none) = ([[Disparity::UNKNOWN; 4]; BLOCKS], [[0; 4]; BLOCKS]);
+            let (disparity, confidence) = (&unknown.as_flattened()[..width], &none.as_flattened()[..width]);
             self.clock.enter(Stage::Output);
-            sink(DisparityRow { y, disparity: &unknown.as_flattened()[..width], confidence: &none.as_flattened()[..width] });
+            sink(DisparityRow { y, disparity, confidence });
             return;
         }
-        // From 1/64 to 1/16 px, rounded; the offset goes and the least disparity comes.
-        let base = 16 * i32::from(self.config.min_disparity) - OFFSET / 4;
-        let base = (base.cast_unsigned() & 0xffff).wrapping_mul(0x0001_0001);
-        let is_lower = y % CELL_HEIGHT == 1;
-        let mut confidence = [[0; 4]; BLOCKS];
-        for c in 0..cells {
-            let slope = answer.slope[c];
-            let row = |pair: u32| {
-                let moved = if is_lower { add_halves(pair, slope) } else { crate::lanes::sub_halves(pair, slope) };
-                let rounded = add_halves(moved, 0x0002_0002) >> 2 & 0x3fff_3fff;
-                add_halves(rounded, base)
-            };
-            let [a, b] = answer.pixels[c].map(row);
-            let bits = |word: u32| Disparity::from_bits((word & 0xffff) as u16 as i16);
-            self.disparity[c] = [bits(a), bits(a >> 16), bits(b), bits(b >> 16)];
-            confidence[c] = answer.confidence[c].to_le_bytes();
-        }
+        self.answer.write(y % CELL_HEIGHT == 1, &self.config, &mut self.disparity);
         self.clock.enter(Stage::Output);
-        sink(DisparityRow {
-            y,
-            disparity: &self.disparity.as_flattened()[..width],
-            confidence: &confidence.as_flattened()[..width],
-        });
+        let disparity = &self.disparity.as_flattened()[..width];
+        sink(DisparityRow { y, disparity, confidence: &self.answer.confidence.as_flattened()[..width] });
     }
 
-    fn measure(&mut self, pair: ScanlinePair<'_>) {
-        // Much at first, so that the level is right soon.
-        let (every, stride) = if self.rows < crate::tuning::t(60, 48) as u32 { (1, 4) } else { (4, 16) };
-        if self.rows % every == 0 {
-            let first = (self.rows / every * 5) as usize % stride;
-            self.exposure.sample(pair.left, first, stride);
-            self.exposure.sample(pair.right, first, stride);
+    /// Takes the exposure of some pixels of the row that comes.
+    fn measure_exposure(&mut self, pair: ScanlinePair<'_>) {
+        if let Some(sampling) = Sampling::of(self.rows) {
+            self.exposure.sample(pair.left, sampling.first, sampling.stride);
+            self.exposure.sample(pair.right, sampling.first, sampling.stride);
         }
     }
 
+    /// Takes the noise of some pixels of the row that came before the newest.
     fn measure_noise(&mut self, width: usize) {
-        let (every, stride, weight) = if self.rows < crate::tuning::t(60, 48) as u32 { (1, 4, 1) } else { (4, 16, crate::tuning::t(61,32) as u16) };
+        let Some(sampling) = Sampling::of(self.rows) else { return };
         // A stand-in has no noise of its own, and second differences span three rows.
         let is_whole = !(0..3).any(|back| self.missing >> (self.rows.wrapping_sub(back) % 32) & 1 == 1);
-        if self.rows % every == 0 {
-            if self.rows >= 2 && is_whole {
-                let y = i64::from(self.rows) - 1;
-                let first = (self.rows / every * 5) as usize % stride;
-                for (view, histogram) in [&self.left, &self.right].into_iter().zip(&mut self.histograms) {
-                    histogram.sample([&view.raw(y - 1)[..], &view.raw(y)[..], &view.raw(y + 1)[..]], first, stride, weight, width);
-                }
+        if self.rows >= 2 && is_whole {
+            let y = i64::from(self.rows) - 1;
+            for (view, histogram) in [&self.left, &self.right].into_iter().zip(&mut self.histograms) {
+                let rows = [y - 1, y, y + 1].map(|y| &view.raw(y)[..]);
+                histogram.sample(rows, sampling.first, sampling.stride, sampling.weight, width);
             }
+        }
+        if self.rows < 16 || self.rows % 8 == 0 {
             let [left, right] = &self.histograms;
-            self.noise = Noise::of(left, right, crate::front_end::exposure::Gain::default());
+            self.noise = Noise::of(left, right, Gain::default());
             if !self.parts.smoothing {
                 self.noise.level = SmoothingLevel::Off;
             }
+        }
+    }
+}
+
+/// Which pixels of a row are looked at for noise and exposure: more in a frame's first rows, so that the level is right soon.
+struct Sampling {
+    first: usize,
+    stride: usize,
+    weight: u16,
+}
+
+impl Sampling {
+    fn of(row: u32) -> Option<Self> {
+        let first = (row as usize * 5) % 16;
+        match row {
+            0..16 => Some(Self { first: first % 4, stride: 4, weight: 1 }),
+            16..48 if row.is_multiple_of(2) => Some(Self { first: first % 8, stride: 8, weight: 4 }),
+            48.. if row.is_multiple_of(4) => Some(Self { first, stride: 16, weight: 32 }),
+            _ => None,
         }
     }
 }
@@ -478,7 +510,7 @@ const fn scramble(number: u32) -> u32 {
 }
 
 fn cell_slot(row: u32) -> usize {
-    row as usize % CELL_ROWS
+    (row % CELL_ROWS) as usize
 }
 
 impl<const AGREEMENT: bool, const BLOCKS: usize, C: StageClock> StereoMethod for Tiled<AGREEMENT, BLOCKS, C> {
@@ -499,7 +531,7 @@ impl<const AGREEMENT: bool, const BLOCKS: usize, C: StageClock> StereoMethod for
         pair.check(self.config.width)?;
         self.clock.enter(Stage::Features);
         self.missing &= !(1 << (self.rows % 32));
-        self.measure(pair);
+        self.measure_exposure(pair);
         let gain = self.exposure.gain();
         self.left.push(pair.left, gain);
         self.right.push(pair.right, gain);

@@ -1,20 +1,23 @@
 //! `haarline demo`: the core on a rendered scene with known truth.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use anyhow::{Context, Result, ensure};
 use clap::ValueEnum;
 use serde::Serialize;
 
+use super::shared::quoted;
 use super::{natural_number, number, print};
-use crate::output::picture::{self, ColourRange};
-use crate::output::{self, encode_grey_png};
+use crate::output::colour_range::ColourRange;
+use crate::output::{self, encode_grey_png, picture};
 use crate::score::Score;
-use crate::score::scene::Meta;
+use crate::score::report::table;
+use crate::score::scene::{Meta, RIG_FILE};
 use crate::stereo::method::MethodKind;
 use crate::stereo::pipeline::{self, Run};
 use crate::synthetic::folder::{self, NamedFile};
-use crate::synthetic::{BlankScore, Rendering, Scene};
+use crate::synthetic::regions::RegionScore;
+use crate::synthetic::{BlankScore, Rendering, Scene, YARD};
 use crate::{DisparityMap, Geometry};
 
 /// Distance of the cameras that the scenes are as if seen by.
@@ -25,6 +28,8 @@ const BASELINE_MM: f64 = 60.0;
 enum SceneKind {
     /// A room with a blank wall
     Room,
+    /// What confuses: a fence, a blank wall, a dark corner, strips that the right view does not see; told apart
+    Yard,
     /// What a rover sees: flat ground and a post at 1.5 m, with the rig of haarline rig new
     Rover,
 }
@@ -33,7 +38,7 @@ impl SceneKind {
     /// Focal length of the cameras that it is as if seen by.
     const fn focal_px(self) -> f64 {
         match self {
-            Self::Room => 280.0,
+            Self::Room | Self::Yard => 280.0,
             Self::Rover => 200.0,
         }
     }
@@ -75,6 +80,8 @@ struct Figures {
     wall_pixels: u64,
     wall_answered_percent: f64,
     wall_wrong_percent: f64,
+    /// The parts of the yard.
+    regions: Vec<RegionScore>,
     folder: PathBuf,
     files: Vec<&'static str>,
 }
@@ -86,19 +93,46 @@ impl Args {
         output::prepare_folder("-o", &self.output)?;
         let scene = match self.scene {
             SceneKind::Room => Scene::room(self.seed),
+            SceneKind::Yard => Scene::yard(self.seed),
             SceneKind::Rover => Scene::rover(self.seed),
         };
         let (scene, focal_px) = (Scene { noise, ..scene }, self.scene.focal_px());
         let rendering = scene.render();
         let Run { map, elapsed } = pipeline::run(&mut *self.method.build(scene.config())?, &rendering.pair)?;
         let files = scene_files(&scene, &rendering, focal_px)?;
-        let files = files.into_iter().chain(map_files(&scene, &rendering, &map, focal_px)?);
-        let files: Vec<NamedFile> = files.collect();
+        let files = files.into_iter().chain(map_files(&rendering, &map, focal_px)?);
+        let rig = (RIG_FILE, "the rig that it is as if seen by", haarline_rig::template().into_bytes());
+        let files: Vec<NamedFile> = files.chain((self.scene == SceneKind::Rover).then_some(rig)).collect();
         for (name, _, bytes) in &files {
             output::write(&self.output.join(name), bytes)?;
         }
         let figures = self.figures(&scene, &rendering, &map, elapsed.as_secs_f64() * 1000.0, &files)?;
-        print(&if self.json { serde_json::to_string(&figures)? + "\n" } else { figures.text(&files, noise) })
+        print(&if self.json {
+            serde_json::to_string(&figures)? + "\n"
+        } else {
+            figures.text(&files, noise) + &self.next_steps(&figures)
+        })
+    }
+
+    /// What to try on the files, one command a line with what it does above.
+    fn next_steps(&self, figures: &Figures) -> String {
+        let file = |name: &str| quoted(&self.output.join(name).display().to_string());
+        let (left, right, folder) = (file("left.png"), file("right.png"), quoted(&self.output.display().to_string()));
+        let (scene, search) = match self.scene {
+            SceneKind::Room => (String::new(), format!("--num-disparities {}", figures.num_disparities)),
+            SceneKind::Yard => (" --scene yard".to_owned(), format!("--num-disparities {}", figures.num_disparities)),
+            SceneKind::Rover => (" --scene rover".to_owned(), format!("--rig {}", file(RIG_FILE))),
+        };
+        let seed = if self.seed == 0 { String::new() } else { format!(" --seed {}", self.seed) };
+        format!(
+            "\nLook at {} beside {}.\n\n\
+             The same scene from its files, as any folder of scenes with known truth:\n  haarline eval {folder}\n\
+             The same scene in worse light:\n  haarline demo{scene}{seed} --noise 10 -o {}\n\
+             Any rectified pair, here this one:\n  haarline depth {left} {right} {search} --picture depth.png\n",
+            file("disparity_picture.png"),
+            file("truth_picture.png"),
+            quoted(&format!("{}-noisy", self.output.display())),
+        )
     }
 
     fn figures(
@@ -121,6 +155,10 @@ impl Args {
             wall_pixels: pixels,
             wall_answered_percent: percent(answered),
             wall_wrong_percent: percent(wrong),
+            regions: match self.scene {
+                SceneKind::Yard => RegionScore::all(&YARD, rendering, map),
+                SceneKind::Room | SceneKind::Rover => Vec::new(),
+            },
             folder: self.output.clone(),
             files: files.iter().map(|(name, ..)| *name).collect(),
         })
@@ -139,18 +177,18 @@ fn scene_files(scene: &Scene, rendering: &Rendering, focal_px: f64) -> Result<[N
 }
 
 /// The core's answer, and the truth in the same colours.
-fn map_files(scene: &Scene, rendering: &Rendering, map: &DisparityMap, focal_px: f64) -> Result<[NamedFile; 6]> {
+fn map_files(rendering: &Rendering, map: &DisparityMap, focal_px: f64) -> Result<[NamedFile; 6]> {
     let geometry = Geometry::new(focal_px, BASELINE_MM)?;
     let true_map = rendering.truth.to_map();
     let range = ColourRange::of(&true_map);
-    let picture = |map: &DisparityMap| picture::encode(map, &range, Some(&geometry));
+    let picture = |map: &DisparityMap| picture::encode(map, &range, Some(&geometry), None);
     Ok([
         ("truth_picture.png", "true disparity in colours", picture(&true_map)?),
         ("disparity_picture.png", "the disparity found, in the same colours", picture(map)?),
-        ("disparity_grey.png", "the same in grey", picture::encode_grey(map, &scene.config())?),
+        ("disparity_grey.png", "the same in grey", picture::encode_grey(map, &range)?),
         ("confidence.png", "its confidence", encode_grey_png(&map.confidence, [map.width, map.height])?),
         ("disparity.pfm", "its disparity in px", output::pfm::encode(map)),
-        ("cloud.ply", "its points in m", output::ply::encode(map, &rendering.pair.left, &geometry)),
+        ("cloud.ply", "its points in m", output::ply::encode(map, &rendering.pair.left, &geometry, None)),
     ])
 }
 
@@ -161,35 +199,38 @@ impl Figures {
         let mut text = format!(
             "{method} on a rendered scene, {width}x{height} px, {num_disparities} disparities, noise {noise}: \
              {milliseconds:.1} ms\n\
-             answered {:.2} % of the pixels that both cameras see, the blank wall apart; of the answers {} % are off by more than 2 px and {} % by more \
-             than 1 px, mean error {} px\n\
-             blank wall, {} pixels without texture: {:.2} % answered, {:.2} % wrong by more than 2 px\n\n",
+             answered {:.2} % of the pixels with texture that both cameras see; of the answers {} % are off by more \
+             than 2 px and {} % by more than 1 px, mean error {} px\n",
             score.density,
             figure(score.bad2),
             figure(score.bad1),
             figure(score.epe),
-            self.wall_pixels,
-            self.wall_answered_percent,
-            self.wall_wrong_percent,
         );
+        if !self.regions.is_empty() {
+            text += &region_table(&self.regions);
+        } else if self.wall_pixels > 0 {
+            text += &format!(
+                "blank wall, {} pixels without texture: {:.2} % answered, {:.2} % wrong by more than 2 px\n",
+                self.wall_pixels, self.wall_answered_percent, self.wall_wrong_percent,
+            );
+        }
+        text.push('\n');
         for (name, what, _) in files {
             text += &format!("  {:<40} {what}\n", self.folder.join(name).display().to_string());
         }
-        text + &next_steps(&self.folder, *num_disparities)
+        text
     }
 }
 
-/// What to try on the files, one command a line with what it does above.
-fn next_steps(folder: &Path, num_disparities: u16) -> String {
-    let file = |name: &str| folder.join(name).display().to_string();
-    let (left, right, folder) = (file("left.png"), file("right.png"), folder.display());
-    format!(
-        "\nLook at {} beside {}.\n\n\
-         The same scene from its files, as any folder of scenes with known truth:\n  haarline eval {folder}\n\
-         Worse light:\n  haarline demo --noise 10\n\
-         Any rectified pair, here this one:\n  \
-         haarline depth {left} {right} --num-disparities {num_disparities} --picture depth.png\n",
-        file("disparity_picture.png"),
-        file("truth_picture.png"),
-    )
+/// What became of each part of the scene.
+fn region_table(regions: &[RegionScore]) -> String {
+    let heads = ["part", "pixels", "answered %", "wrong %", "sure %", "sure and wrong %"];
+    let mut table = table(heads.to_vec(), 1);
+    for region in regions {
+        let shares = [region.answered_percent, region.wrong_percent, region.sure_percent, region.sure_wrong_percent];
+        let shares = shares.map(|share| format!("{share:.2}"));
+        table
+            .add_row([region.name.to_owned(), region.pixels.to_string()].into_iter().chain(shares).collect::<Vec<_>>());
+    }
+    table.trim_fmt() + "\n"
 }

@@ -8,16 +8,20 @@ use haarline::{Config, Disparity, Offset};
 use haarline_rig::Description;
 use serde::Serialize;
 
-use super::shared::{MethodOptions, MinConfidence, RigArg, SearchRange};
-use super::{number, print};
+use super::degradation::DegradationOptions;
+use super::print;
+use super::shared::{DepthOptions, MethodOptions, MinConfidence, RangeArg, RigArg, SearchRange, warn_input};
+use crate::output;
+use crate::output::colour_range::ColourRange;
+use crate::output::map_file::{MapKind, MapView};
 use crate::output::obstacle_strip::ObstacleStrip;
-use crate::output::picture::{self, ColourRange};
-use crate::output::{self, MapKind};
+use crate::score::degrade::replace_right;
 use crate::stereo::disparity_map::{DisparityMap, Spread};
+use crate::stereo::frame_check::FrameCheck;
 use crate::stereo::method::MethodKind;
-use crate::stereo::obstacles::{FrameObstacles, ObstacleFinder};
+use crate::stereo::obstacles::{FrameObstacles, ObstacleFinder, ObstacleSummary};
 use crate::stereo::pipeline::{self, Run};
-use crate::{Frame, Geometry, StereoPair, input::rig_file};
+use crate::{Geometry, StereoPair, input::rig_file};
 
 /// Arguments of `haarline depth`.
 #[derive(Debug, clap::Args)]
@@ -31,27 +35,28 @@ pub(super) struct Args {
     search: SearchRange,
     #[command(flatten)]
     method: MethodOptions,
-    /// Focal length, px; with --baseline-mm depth is told, too
-    #[arg(long, value_name = "F", allow_hyphen_values = true, value_parser = number)]
-    focal_px: Option<f64>,
-    /// Distance of the two cameras, mm
-    #[arg(long, value_name = "B", allow_hyphen_values = true, value_parser = number)]
-    baseline_mm: Option<f64>,
+    #[command(flatten)]
+    depth: DepthOptions,
     #[command(flatten)]
     rig: RigArg,
     /// Distance to the nearest obstacle in each direction, cm; needs --rig
     #[arg(long, value_name = "FILE.csv", requires = "rig")]
     obstacles: Option<PathBuf>,
     /// Disparity file, any number of times: .pfm (px, float, unknown = +inf), .png (16 bits, disparity x
-    /// 256, 0 = unknown) or .ply (point cloud in m; needs --focal-px and --baseline-mm)
+    /// 256, 0 = unknown), .npy (px, float32, unknown = NaN) or .ply (coloured points in m)
     #[arg(short, long = "output", value_name = "FILE")]
     output: Vec<PathBuf>,
+    /// Depth in mm, 16 bits, 0 = unknown or farther than 65.535 m; needs --focal-px and --baseline-mm, or --rig
+    #[arg(long, value_name = "FILE.png")]
+    depth_png: Option<PathBuf>,
     /// Picture in colours with a legend; unknown is a grey checkerboard
     #[arg(long, value_name = "FILE.png")]
     picture: Option<PathBuf>,
-    /// Picture in grey, nearer = brighter: the searched range as 1 to 255, unknown as 0
+    /// Picture in grey, nearer = brighter: 1 to 255, unknown is 0
     #[arg(long, value_name = "FILE.png")]
     grey: Option<PathBuf>,
+    #[command(flatten)]
+    range: RangeArg,
     /// Confidence of each pixel, 0 to 255
     #[arg(long, value_name = "FILE.png")]
     confidence: Option<PathBuf>,
@@ -60,6 +65,8 @@ pub(super) struct Args {
     /// Fills unknown pixels with the farther of the next known ones beside them: a guess, confidence 1
     #[arg(long)]
     fill: bool,
+    #[command(flatten)]
+    degradation: DegradationOptions,
     /// Prints the summary as JSON
     #[arg(long)]
     json: bool,
@@ -80,6 +87,10 @@ struct Summary {
     milliseconds: f64,
     #[serde(flatten)]
     depth: Option<DepthSummary>,
+    #[serde(flatten)]
+    check: FrameCheck,
+    #[serde(flatten)]
+    obstacles: Option<ObstacleSummary>,
 }
 
 /// The same in mm, where the rig is known. Far beyond all is null.
@@ -94,14 +105,13 @@ struct DepthSummary {
 
 impl Args {
     pub(super) fn run(self) -> Result<()> {
-        let rig = self.rig.read(&self.search, [self.focal_px, self.baseline_mm])?;
-        let geometry = match &rig {
-            Some(rig) => Some(Geometry::new(rig.focal_px, rig.baseline_mm)?),
-            None => Geometry::from_options(self.focal_px, self.baseline_mm)?,
-        };
+        let rig = self.depth.rig(&self.rig, &self.search)?;
+        let geometry = self.depth.geometry(rig.as_ref())?;
+        let max_depth_m = self.depth.max_depth_m(geometry.as_ref())?;
         let (method, min_confidence) = (self.method.get()?, self.min_confidence.get()?);
-        let kinds = self.check_outputs(geometry.as_ref())?;
-        let pair = StereoPair::read(&self.left, &self.right)?;
+        let files = self.files()?;
+        self.check_outputs(&files, geometry.is_some())?;
+        let pair = self.read_pair()?;
         let config = match &rig {
             Some(rig) => {
                 rig_file::check_size(rig, [pair.width(), pair.height()])?;
@@ -111,33 +121,76 @@ impl Args {
         };
         let offset = rig.as_ref().map_or_else(Offset::default, |rig| rig.offset);
         let Run { mut map, elapsed } = pipeline::run_paired(&mut *method.build(config)?, offset, &pair)?;
+        let check = FrameCheck::of(&pair, offset, &map);
         map.drop_below(min_confidence);
-        let obstacles = rig.as_ref().map(|rig| Found::new(rig, &map)).transpose()?;
+        let obstacles = rig.as_ref().map(|rig| Found::new(rig, &map, &check)).transpose()?;
         if self.fill {
             map.fill_holes();
         }
-        for (path, bytes) in self.files(&kinds, &map, &pair.left, &config, geometry.as_ref(), obstacles.as_ref())? {
-            output::write(path, &bytes)?;
+        let range = self.range.range.unwrap_or_else(|| ColourRange::of(&map));
+        let strip = geometry.as_ref().zip(obstacles.as_ref()).map(|(geometry, found)| found.strip(geometry));
+        let view = MapView {
+            map: &map,
+            left: &pair.left,
+            geometry: geometry.as_ref(),
+            max_depth_m,
+            range: &range,
+            obstacles: strip.as_ref(),
+        };
+        self.write(&files, &view, obstacles.as_ref())?;
+        if let Some(advice) = check.input.advice() {
+            warn_input(&format!("{}: {advice}", self.left.display()));
         }
-        let summary = Summary::new(&map, &config, method.kind, elapsed.as_secs_f64() * 1000.0, geometry.as_ref());
+        let milliseconds = elapsed.as_secs_f64() * 1000.0;
+        let mut summary = Summary::new(&map, &config, method.kind, milliseconds, geometry.as_ref(), check);
+        summary.obstacles = obstacles.map(|found| found.finder.summary(&found.frame));
         print(&if self.json { serde_json::to_string(&summary)? + "\n" } else { summary.line() })
     }
 
+    /// The files that tell the map, with the options that ask for them.
+    fn files(&self) -> Result<Vec<(&'static str, MapKind, &Path)>> {
+        let maps = self.output.iter().map(|path| Ok(("-o", MapKind::of(path)?, path.as_path())));
+        let mut files = maps.collect::<Result<Vec<_>>>()?;
+        let pictures = [
+            ("--depth-png", MapKind::Depth, &self.depth_png),
+            ("--picture", MapKind::Picture, &self.picture),
+            ("--grey", MapKind::Grey, &self.grey),
+            ("--confidence", MapKind::Confidence, &self.confidence),
+        ];
+        for (option, kind, path) in pictures {
+            if let Some(path) = path {
+                output::check_png_name(option, path)?;
+                files.push((option, kind, path));
+            }
+        }
+        Ok(files)
+    }
+
+    /// The views as the method gets them. What is drawn is what eval draws of a scene: by the name of the folder.
+    fn read_pair(&self) -> Result<StereoPair> {
+        let degradation = self.degradation.get()?;
+        let other = self.degradation.right_from(None)?;
+        let mut pair = StereoPair::read(&self.left, &self.right)?;
+        if let Some(other) = &other {
+            replace_right(&mut pair, other);
+        }
+        let folder = self.left.canonicalize().ok().and_then(|path| Some(path.parent()?.file_name()?.to_owned()));
+        degradation.apply(&folder.unwrap_or_default().to_string_lossy(), &mut pair);
+        Ok(pair)
+    }
+
     /// Checks every name that is to be written before anything is computed.
-    fn check_outputs(&self, geometry: Option<&Geometry>) -> Result<Vec<MapKind>> {
-        let kinds: Vec<MapKind> = self.output.iter().map(|path| MapKind::of(path)).collect::<Result<_>>()?;
-        let cloud = kinds.iter().position(|&kind| kind == MapKind::Ply);
-        if let (Some(index), None) = (cloud, geometry) {
-            let name = self.output[index].display();
-            anyhow::bail!("-o {name}: a point cloud in m needs --focal-px and --baseline-mm");
+    fn check_outputs(&self, files: &[(&'static str, MapKind, &Path)], has_geometry: bool) -> Result<()> {
+        for (option, kind, path) in files {
+            ensure!(
+                has_geometry || !kind.needs_geometry(),
+                "{option} {}: needs --focal-px and --baseline-mm, or --rig, to tell metres",
+                path.display()
+            );
         }
-        for (option, path) in self.pictures() {
-            output::check_png_name(option, path)?;
-        }
-        let maps = self.output.iter().map(|path| ("-o", path.as_path()));
         let mut taken: Vec<PathBuf> = Vec::new();
         let table = self.obstacles.iter().map(|path| ("--obstacles", path.as_path()));
-        for (option, path) in maps.chain(self.pictures()).chain(table) {
+        for (option, path) in files.iter().map(|(option, _, path)| (*option, *path)).chain(table) {
             output::check_writable(option, path)?;
             let same_as = |other: &Path| output::is_same_file(path, other);
             ensure!(
@@ -148,47 +201,25 @@ impl Args {
             ensure!(!taken.iter().any(|other| same_as(other)), "{option} {}: the name is given twice", path.display());
             taken.push(path.to_owned());
         }
-        Ok(kinds)
+        Ok(())
     }
 
-    fn pictures(&self) -> impl Iterator<Item = (&'static str, &Path)> {
-        let named = [("--picture", &self.picture), ("--grey", &self.grey), ("--confidence", &self.confidence)];
-        named.into_iter().filter_map(|(option, path)| Some((option, path.as_deref()?)))
-    }
-
-    /// Every file's content, before the first one is written.
-    fn files(
+    /// Writes every file, after the content of all is known.
+    fn write(
         &self,
-        kinds: &[MapKind],
-        map: &DisparityMap,
-        left: &Frame,
-        config: &Config,
-        geometry: Option<&Geometry>,
+        files: &[(&'static str, MapKind, &Path)],
+        view: &MapView<'_>,
         obstacles: Option<&Found>,
-    ) -> Result<Vec<(&Path, Vec<u8>)>> {
-        let mut files = Vec::new();
-        for (path, kind) in self.output.iter().zip(kinds) {
-            let bytes = kind.encode(map, left, geometry).with_context(|| format!("-o {}", path.display()))?;
-            files.push((path.as_path(), bytes));
-        }
-        if let Some(path) = &self.picture {
-            let range = ColourRange::of(map);
-            let picture = match geometry.zip(obstacles) {
-                Some((geometry, found)) => picture::encode_with_obstacles(map, &range, &found.strip(geometry))?,
-                None => picture::encode(map, &range, geometry)?,
-            };
-            files.push((path, picture));
+    ) -> Result<()> {
+        let mut contents = Vec::new();
+        for (option, kind, path) in files {
+            let bytes = kind.encode(view).with_context(|| format!("{option} {}", path.display()))?;
+            contents.push((*path, bytes));
         }
         if let (Some(path), Some(found)) = (&self.obstacles, obstacles) {
-            files.push((path, found.finder.encode_csv(std::slice::from_ref(&found.frame))?));
+            contents.push((path, found.finder.encode_csv(std::slice::from_ref(&found.frame))?));
         }
-        if let Some(path) = &self.grey {
-            files.push((path, picture::encode_grey(map, config)?));
-        }
-        if let Some(path) = &self.confidence {
-            files.push((path, output::encode_grey_png(&map.confidence, [map.width, map.height])?));
-        }
-        Ok(files)
+        contents.iter().try_for_each(|(path, bytes)| output::write(path, bytes))
     }
 }
 
@@ -199,9 +230,9 @@ struct Found {
 }
 
 impl Found {
-    fn new(rig: &Description, map: &DisparityMap) -> Result<Self> {
+    fn new(rig: &Description, map: &DisparityMap, check: &FrameCheck) -> Result<Self> {
         let mut finder = ObstacleFinder::new(rig)?;
-        let frame = FrameObstacles { frame: 0, nearest_mm: finder.find(map) };
+        let frame = finder.find_checked(0, map, check);
         Ok(Self { finder, frame })
     }
 
@@ -217,6 +248,7 @@ impl Summary {
         method: MethodKind,
         milliseconds: f64,
         geometry: Option<&Geometry>,
+        check: FrameCheck,
     ) -> Self {
         let spread = map.spread();
         let depth = geometry.map(|geometry| DepthSummary::new(geometry, spread.as_ref()));
@@ -232,6 +264,8 @@ impl Summary {
             max_disparity_px: spread.map(|spread| spread.max_px),
             milliseconds,
             depth,
+            check,
+            obstacles: None,
         }
     }
 
@@ -243,8 +277,10 @@ impl Summary {
             _ => "no disparity known".to_owned(),
         };
         let depth = self.depth.as_ref().map(DepthSummary::words).unwrap_or_default();
+        let obstacles = self.obstacles.as_ref().map(|summary| format!(", {}", summary.words())).unwrap_or_default();
+        let check = self.check.words();
         format!(
-            "{width}x{height}, {method}, searched {min_disparity} to {last} px: {density:.2} % known, {range}{depth}, \
+            "{width}x{height}, {method}, searched {min_disparity} to {last} px: {density:.2} % known, {check}, {range}{depth}{obstacles}, \
              {milliseconds:.1} ms\n"
         )
     }

@@ -5,17 +5,15 @@ use std::str::FromStr;
 
 use anyhow::{Result, bail, ensure};
 
+use super::Finding;
+use super::degradation::DegradationOptions;
 use super::shared::{Benchmark, JsonOutput, MethodOptions, progress};
-use super::{Finding, natural_number, number};
 use crate::output;
-use crate::score::baselines::{Baselines, Level};
-use crate::score::degrade::Degradation;
-use crate::score::evaluation::{self, Evaluator, Evidence, Mean, SceneScore};
-use crate::score::report::Report;
-use crate::score::scene::{Region, Scene};
+use crate::score::evaluation::{self, Evaluator, Evidence, Mean, Source};
+use crate::score::report::{Report, Treatment};
+use crate::score::scene::Region;
 use crate::score::sure::SURE;
 use crate::score::{Figure, MapScore, Score};
-use crate::stereo::method::Method;
 
 /// Arguments of `haarline eval`.
 #[derive(Debug, clap::Args)]
@@ -24,27 +22,21 @@ pub(super) struct Args {
     benchmark: Benchmark,
     #[command(flatten)]
     method: MethodOptions,
-    /// Adds Gaussian noise to both views: standard deviation, grey levels
-    #[arg(long, value_name = "SIGMA", default_value_t = 0.0, allow_hyphen_values = true, value_parser = number)]
-    noise: f64,
-    /// Adds shot noise to both views: standard deviation at one grey level, grows with the root of the light
-    #[arg(long, value_name = "SIGMA", default_value_t = 0.0, allow_hyphen_values = true, value_parser = number)]
-    shot_noise: f64,
-    /// Adds a fixed pattern to both views: standard deviation from column to column, grey levels
-    #[arg(long, value_name = "SIGMA", default_value_t = 0.0, allow_hyphen_values = true, value_parser = number)]
-    pattern_noise: f64,
-    /// Multiplies the right view
-    #[arg(long, value_name = "G", default_value_t = 1.0, allow_hyphen_values = true, value_parser = number)]
-    gain: f64,
-    /// Adds grey levels to the right view, after the gain
-    #[arg(long, value_name = "O", default_value_t = 0.0, allow_hyphen_values = true, value_parser = number)]
-    offset: f64,
-    /// Multiplies both views, after gain and offset and before the noise: less light
-    #[arg(long, value_name = "G", default_value_t = 1.0, allow_hyphen_values = true, value_parser = number)]
-    both_gain: f64,
-    /// Seed of the noise
-    #[arg(long, value_name = "S", default_value_t = 0, allow_hyphen_values = true, value_parser = natural_number)]
-    seed: u64,
+    #[command(flatten)]
+    degradation: DegradationOptions,
+    /// Smooths the views as our front end does, by their noise, before the method gets them
+    #[arg(long)]
+    smooth: bool,
+    /// Fills unknown pixels with the farther of the next known ones beside them: guesses, confidence 1
+    #[arg(long)]
+    fill: bool,
+    /// Scores finished maps instead of a method's: <scene>.pfm (px) or <scene>.png (16 bits, disparity x 256), and
+    /// <scene>_confidence.png where there is one. What was done to the views is only told
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["method", "smooth", "write_views", "right_from"])]
+    maps: Option<PathBuf>,
+    /// Writes <scene>/left.png and <scene>/right.png of every scene as the method gets them
+    #[arg(long, value_name = "DIR")]
+    write_views: Option<PathBuf>,
     /// Scores what is hidden from the right camera, too, apart
     #[arg(long)]
     occluded: bool,
@@ -102,7 +94,9 @@ impl FromStr for Limit {
 
 impl Args {
     pub(super) fn run(self) -> Result<()> {
-        let (method, degradation) = (self.method.get()?, self.degradation()?);
+        let degradation = self.degradation.get()?;
+        let method = self.method.get()?;
+        let right = self.degradation.right_from(Some(&self.benchmark.scenes))?;
         let folders = self.benchmark.folders()?;
         let scenes = evaluation::load(&folders)?;
         let baselines = self.benchmark.read_baselines()?;
@@ -110,12 +104,37 @@ impl Args {
         let widest = scenes.iter().map(|scene| scene.pair.width()).max().unwrap_or(0);
         let level = baselines.as_ref().map(|baselines| baselines.level(widest, &degradation));
         let baselines = baselines.as_ref().zip(level.as_ref());
-        let scores = self.evaluate(method, &scenes, degradation, baselines)?;
-        let Some(mean) = Mean::of(scores.iter()) else { bail!("{}: no scene in it", self.benchmark.scenes.display()) };
-        let report = Report {
-            method: method.name(),
-            folder: &self.benchmark.scenes,
+        let regions = [(self.occluded, Region::Occluded), (self.left_band, Region::LeftBand)];
+        let apart: Vec<Region> =
+            regions.into_iter().filter_map(|(is_asked, region)| is_asked.then_some(region)).collect();
+        let build = |config| method.build(config);
+        let evaluator = Evaluator {
+            source: self.maps.as_deref().map_or(Source::Method(&build), Source::Maps),
+            right_from: right.as_ref(),
             degradation,
+            smooth: self.smooth,
+            fill: self.fill,
+            baselines,
+            apart: &apart,
+            maps: self.output.as_deref(),
+            views: self.write_views.as_deref(),
+            evidence: Evidence { sure_from: self.sure_from.unwrap_or(SURE), obstacles: self.obstacles },
+        };
+        let progress = progress(scenes.len(), "scenes")?;
+        let scores = evaluator.run(&scenes, || progress.inc(1));
+        progress.finish_and_clear();
+        let scores = scores?;
+        let Some(mean) = Mean::of(scores.iter()) else { bail!("{}: no scene in it", self.benchmark.scenes.display()) };
+        let maps = self.maps.as_ref().map(|folder| format!("maps in {}", folder.display()));
+        let report = Report {
+            method: maps.as_deref().unwrap_or(method.name()),
+            folder: &self.benchmark.scenes,
+            treatment: Treatment {
+                degradation,
+                right_from: self.degradation.right_from_name(),
+                smooth: self.smooth,
+                fill: self.fill,
+            },
             baselines,
             scenes: &scores,
             mean: &mean,
@@ -125,51 +144,23 @@ impl Args {
         check_limits(&self.fail_over, &mean.score)
     }
 
-    fn degradation(&self) -> Result<Degradation> {
-        let limited = [
-            ("--noise", self.noise),
-            ("--shot-noise", self.shot_noise),
-            ("--pattern-noise", self.pattern_noise),
-            ("--gain", self.gain),
-            ("--both-gain", self.both_gain),
-        ];
-        for (option, value) in limited {
-            ensure!((0.0..=255.0).contains(&value), "{option} {value}: must be 0 to 255");
-        }
-        let offset = self.offset;
-        ensure!((-255.0..=255.0).contains(&offset), "--offset {offset}: must be -255 to 255 grey levels");
-        let Self { noise, shot_noise, pattern_noise, gain, offset, both_gain, seed, .. } = *self;
-        Ok(Degradation { noise, shot_noise, pattern_noise, gain, offset, both_gain, seed })
-    }
-
     fn check_outputs(&self) -> Result<()> {
         if let Some(path) = self.json.file() {
             output::check_writable("--json", path)?;
         }
-        match &self.output {
-            Some(folder) => output::prepare_folder("-o", folder),
-            None => Ok(()),
+        for (option, folder) in [("-o", &self.output), ("--write-views", &self.write_views)] {
+            folder.as_ref().map_or(Ok(()), |folder| output::prepare_folder(option, folder))?;
         }
-    }
-
-    fn evaluate(
-        &self,
-        method: Method,
-        scenes: &[Scene],
-        degradation: Degradation,
-        baselines: Option<(&Baselines, &Level)>,
-    ) -> Result<Vec<SceneScore>> {
-        let build = |config| method.build(config);
-        let regions = [(self.occluded, Region::Occluded), (self.left_band, Region::LeftBand)];
-        let apart: Vec<Region> =
-            regions.into_iter().filter_map(|(is_asked, region)| is_asked.then_some(region)).collect();
-        let evidence = Evidence { sure_from: self.sure_from.unwrap_or(SURE), obstacles: self.obstacles };
-        let maps = self.output.as_deref();
-        let evaluator = Evaluator { build: &build, degradation, baselines, apart: &apart, maps, evidence };
-        let progress = progress(scenes.len(), "scenes")?;
-        let scores = evaluator.run(scenes, || progress.inc(1));
-        progress.finish_and_clear();
-        scores
+        if let (Some(maps), Some(output)) = (&self.maps, &self.output) {
+            ensure!(!output::is_same_file(maps, output), "-o {}: has the maps that are read", output.display());
+        }
+        if let Some(views) = &self.write_views {
+            let scenes = &self.benchmark.scenes;
+            let is_input = output::is_same_file(views, scenes)
+                || scenes.parent().is_some_and(|folder| output::is_same_file(views, folder));
+            ensure!(!is_input, "--write-views {}: would overwrite the scenes' views", views.display());
+        }
+        Ok(())
     }
 }
 

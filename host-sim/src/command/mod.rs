@@ -1,7 +1,9 @@
 //! The commands of the tool, and what they share: how they end and how they print.
 
 mod ablate;
+mod bench;
 mod contours;
+mod degradation;
 mod demo;
 mod depth;
 mod eval;
@@ -56,6 +58,8 @@ enum Command {
     Ablate(ablate::Args),
     /// The firmware application on an emulated Cortex-M: same bytes, every instruction counted
     Twin(twin::Args),
+    /// How long the methods take on this machine, and OpenCV's in turn with them
+    Bench(bench::Args),
     /// Repeats the paper's experiments: tables, plots and a page
     Study(study::Args),
     /// The contours of an image as a picture, as the methods look for them
@@ -125,6 +129,7 @@ impl Cli {
             Command::Receive(args) => args.run()?,
             Command::Ablate(args) => args.run()?,
             Command::Twin(args) => args.run()?,
+            Command::Bench(args) => args.run()?,
             Command::Study(args) => args.run()?,
             Command::Contours(args) => args.run()?,
         }

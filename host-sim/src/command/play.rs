@@ -1,22 +1,33 @@
 //! `haarline play`: a whole recording in, its disparities out, frame by frame.
 
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result, anyhow, ensure};
+use clap::ValueEnum;
 use haarline::Config;
 use haarline_rig::Description;
+use haarline_telemetry::LEAST_FRAMES_IN_10_S;
 use serde::Serialize;
 
 use super::shared::{
-    LayoutKind, MethodOptions, MinConfidence, RigArg, SearchRange, WiringArgs, layout, progress, warn_skipped,
+    DepthOptions, LayoutKind, MethodOptions, MinConfidence, RangeArg, RigArg, SearchRange, WiringArgs, layout,
+    progress, warn_input, warn_skipped,
 };
-use super::{Finding, print, whole_number};
+use super::{Finding, number, print, whole_number};
 use crate::input::raw_dump::{RawFormat, ViewSize};
 use crate::input::recording::{FrameRange, RecordedFrame, find_frames, find_raw_frames};
 use crate::input::rig_file;
 use crate::output;
-use crate::play::{FrameReport, Player, encode_csv, report_damaged};
+use crate::output::map_file::MapKind;
+use crate::play::{Files, FrameReport, FrameWriter, ObstacleTotals, Player, Taken, Totals};
+use crate::stereo::frame_check::Input;
+
+/// Frames that the colours are taken from where no rig tells how many come in a second.
+const FIRST_SECOND: usize = 10;
+/// The most frames that wait for their colours.
+const MOST_HELD: usize = 30;
 
 /// Arguments of `haarline play`.
 #[derive(Debug, clap::Args)]
@@ -25,10 +36,13 @@ pub(super) struct Args {
     /// where no name is in both; or folder of images with both views (--layout side-by-side); or a file
     /// with the bytes a camera port stored (--raw)
     recording: PathBuf,
-    /// Where everything goes: <frame>.pfm, <frame>_picture.png (the same colours in all of them: the
-    /// searched range), frames.csv; with --rig obstacles.csv, the nearest obstacle in each direction, cm
+    /// Where everything goes, frame by frame: <frame>.pfm, <frame>_picture.png, frames.csv; with --rig
+    /// obstacles.csv, the nearest obstacle in each direction, cm
     #[arg(short, long = "output", value_name = "DIR")]
     output: PathBuf,
+    /// What is written of each frame
+    #[arg(long, value_enum, value_name = "KIND,...", value_delimiter = ',', default_value = "disparity,picture")]
+    write: Vec<MapKind>,
     /// How the views are stored
     #[arg(long, value_enum, default_value_t = LayoutKind::Auto, conflicts_with = "raw")]
     layout: LayoutKind,
@@ -44,10 +58,18 @@ pub(super) struct Args {
     method: MethodOptions,
     #[command(flatten)]
     rig: RigArg,
+    #[command(flatten)]
+    depth: DepthOptions,
+    #[command(flatten)]
+    range: RangeArg,
     /// Writes what a board would send to an autopilot: MAVLink 2, HEARTBEAT each second and OBSTACLE_DISTANCE of
     /// each frame, as if they came at the rig's frame rate; needs --rig
     #[arg(long, value_name = "FILE", requires = "rig")]
     mavlink: Option<PathBuf>,
+    /// In these messages a sector may be told to be free: one in which nothing is found, and of whose pixels 80 % are
+    /// sure and lie beyond so many m; farther obstacles are not told then. Without it no sector ever is
+    #[arg(long, value_name = "M", requires = "mavlink", value_parser = number)]
+    free_beyond: Option<f64>,
     /// Only these frames, counted from 0 in the order of their names: A..B without B, A.. or ..B
     #[arg(long, value_name = "A..B", allow_hyphen_values = true)]
     frames: Option<FrameRange>,
@@ -77,10 +99,21 @@ struct Summary<'a> {
     mean_density: Option<f64>,
     median_disparity_px: Option<f64>,
     mean_noise: Option<f64>,
+    mean_share_sure: Option<f64>,
+    mean_mismatch_percent: Option<f64>,
+    /// Frames that are no two views of one scene, by what they are.
+    wrong_input: &'a BTreeMap<Input, usize>,
+    input_ok: bool,
     mean_milliseconds: Option<f64>,
-    damaged_frames: Vec<&'a FrameReport>,
+    damaged_frames: &'a [FrameReport],
+    /// What the colours of the pictures span, px.
+    colours_px: Option<[f64; 2]>,
     #[serde(skip)]
-    has_rig: bool,
+    colours_from: String,
+    #[serde(flatten)]
+    obstacles: Option<ObstacleTotals>,
+    #[serde(skip)]
+    files: String,
 }
 
 impl Args {
@@ -90,7 +123,12 @@ impl Args {
         self.search.config(Config::MAX_WIDTH)?;
         let step = usize::try_from(self.every).ok().filter(|&step| step > 0);
         let step = step.with_context(|| format!("--every {}: must be 1 or more", self.every))?;
-        let rig = self.rig.read(&self.search, [None; 2])?;
+        let rig = self.depth.rig(&self.rig, &self.search)?;
+        let free_beyond_mm = self.free_beyond_mm()?;
+        if let (Some(rig), Some(_)) = (&rig, &self.mavlink) {
+            warn_of_pace(rig.frame_rate_hz);
+        }
+        let files = self.files(rig.as_ref())?;
         let frames = self.find_frames(rig.as_ref())?;
         let recorded = frames.len();
         let range = self.frames.unwrap_or_default();
@@ -113,33 +151,57 @@ impl Args {
             None => None,
         };
         self.check_output()?;
-        let reports = match format {
+        let mut writer = FrameWriter::begin(files)?;
+        let mut totals = Totals::default();
+        match format {
             Some((config, height)) => {
-                let mut player = Player::new(method, config, height, min_confidence, &self.output)?;
+                let mut player = Player::new(method, config, height, min_confidence)?;
                 if let Some(rig) = &rig {
-                    player = player.with_rig(rig)?;
+                    player = player.with_rig(rig, free_beyond_mm)?;
                 }
-                let reports = play(&mut player, &frames)?;
-                self.write_obstacles(&player)?;
-                reports
+                if let Some(finder) = player.obstacles() {
+                    writer = writer.with_obstacles(finder, self.mavlink.as_deref())?;
+                }
+                play(&mut player, &frames, &mut writer, &mut totals)?;
             }
-            None => report_damaged(&frames).into_iter().inspect(warn).collect(),
-        };
-        output::write(&self.output.join("frames.csv"), &encode_csv(&reports)?)?;
-        let summary = self.summary(&reports, recorded, format);
+            None => {
+                frames.iter().map(Taken::of).try_for_each(|taken| write_damaged(taken, &mut writer, &mut totals))?
+            }
+        }
+        let summary = self.summary(&totals, &writer, recorded, format);
         print(&if self.json { serde_json::to_string(&summary)? + "\n" } else { summary.text() })?;
-        let damaged = summary.damaged;
-        ensure!(damaged == 0, Finding(format!("{damaged} of {} were damaged and skipped", count(reports.len()))));
+        warn_wrong_input(&totals);
+        let damaged = totals.damaged;
+        ensure!(damaged == 0, Finding(format!("{damaged} of {} were damaged and skipped", count(totals.frames))));
         Ok(())
     }
 
-    fn write_obstacles(&self, player: &Player<'_>) -> Result<()> {
-        let Some((finder, frames)) = player.obstacles() else { return Ok(()) };
-        output::write(&self.output.join("obstacles.csv"), &finder.encode_csv(frames)?)?;
-        if let Some(path) = &self.mavlink {
-            output::write(path, &finder.encode_mavlink(frames))?;
+    fn free_beyond_mm(&self) -> Result<Option<u32>> {
+        let Some(metres) = self.free_beyond else { return Ok(None) };
+        ensure!((0.1..=600.0).contains(&metres), "--free-beyond {metres}: must be 0.1 to 600 m");
+        Ok(Some((metres * 1000.0) as u32))
+    }
+
+    /// What is written of each frame.
+    fn files(&self, rig: Option<&Description>) -> Result<Files> {
+        let geometry = self.depth.geometry(rig)?;
+        let max_depth_m = self.depth.max_depth_m(geometry.as_ref())?;
+        let mut kinds: Vec<MapKind> = Vec::new();
+        for &kind in &self.write {
+            let name = kind.to_possible_value().map(|value| value.get_name().to_owned()).unwrap_or_default();
+            ensure!(
+                geometry.is_some() || !kind.needs_geometry(),
+                "--write {name}: needs --focal-px and --baseline-mm, or --rig, to tell metres"
+            );
+            if !kinds.contains(&kind) {
+                kinds.push(kind);
+            }
         }
-        Ok(())
+        // A second of what a board would see; without a rig no one tells how many frames that is.
+        let first_second = rig.map_or(Ok(FIRST_SECOND), |rig| rig.plan().map(|plan| plan.frame_rate_hz.into()))?;
+        let first_second = usize::clamp(first_second, 1, MOST_HELD);
+        let range = self.range.range;
+        Ok(Files { folder: self.output.clone(), kinds, geometry, max_depth_m, range, first_second })
     }
 
     fn find_frames(&self, rig: Option<&Description>) -> Result<Vec<RecordedFrame>> {
@@ -151,7 +213,11 @@ impl Args {
             return find_raw_frames(&self.recording, RawFormat { size, wiring });
         }
         ensure!(self.wiring.get()?.is_none(), "--wiring: is for raw dumps, add --raw WIDTHxHEIGHT");
-        find_frames(&self.recording, layout(self.layout, self.wiring.first, "--first")?)
+        ensure!(
+            self.layout.has_both() || self.wiring.first.is_none(),
+            "--first: is for frames with both views, add --layout side-by-side or top-bottom"
+        );
+        find_frames(&self.recording, layout(self.layout, self.wiring.first_with(rig))?)
     }
 
     /// Refuses to write among the frames: pictures would be frames of the next run, and a list of the
@@ -178,13 +244,15 @@ impl Args {
 
     fn summary<'a>(
         &'a self,
-        reports: &'a [FrameReport],
+        totals: &'a Totals,
+        writer: &FrameWriter,
         recorded: usize,
         format: Option<(Config, usize)>,
     ) -> Summary<'a> {
-        let of = |figure: fn(&FrameReport) -> Option<f64>| reports.iter().filter_map(figure).collect::<Vec<f64>>();
-        let damaged_frames: Vec<&FrameReport> = reports.iter().filter(|report| !report.is_ok()).collect();
         let config = format.map(|(config, _)| config);
+        let endings = writer.files().kinds.iter().map(|kind| format!("<frame>{}", kind.ending()));
+        let tables = ["frames.csv", "obstacles.csv"].into_iter().take(1 + usize::from(writer.obstacles().is_some()));
+        let has_colours = totals.damaged < totals.frames && writer.files().kinds.iter().any(|kind| kind.has_range());
         Summary {
             recording: &self.recording,
             folder: &self.output,
@@ -194,29 +262,72 @@ impl Args {
             min_disparity: config.map(|config| config.min_disparity),
             num_disparities: config.map(|config| config.num_disparities),
             recorded,
-            frames: reports.len(),
-            damaged: damaged_frames.len(),
-            mean_density: mean(&of(|report| report.density)),
-            median_disparity_px: median(of(|report| report.median_disparity_px)),
-            mean_noise: mean(&of(|report| report.noise)),
-            mean_milliseconds: mean(&of(|report| report.milliseconds)),
-            damaged_frames,
-            has_rig: self.rig.is_given() && config.is_some(),
+            frames: totals.frames,
+            damaged: totals.damaged,
+            mean_density: totals.mean_density(),
+            median_disparity_px: totals.median_disparity_px(),
+            mean_noise: totals.mean_noise(),
+            mean_share_sure: totals.mean_share_sure(),
+            mean_mismatch_percent: totals.mean_mismatch_percent(),
+            wrong_input: &totals.wrong_input,
+            input_ok: totals.wrong_input.is_empty(),
+            mean_milliseconds: totals.mean_milliseconds(),
+            damaged_frames: &totals.damaged_frames,
+            colours_px: writer.range().filter(|_| has_colours).map(|range| [range.min_px, range.max_px]),
+            colours_from: match self.range.range {
+                Some(_) => "--range".to_owned(),
+                None => match writer.files().first_second.min(totals.frames - totals.damaged) {
+                    1 => "the first frame".to_owned(),
+                    frames => format!("the first {frames} frames"),
+                },
+            },
+            obstacles: writer.obstacles(),
+            files: endings.chain(tables.map(str::to_owned)).collect::<Vec<_>>().join(", "),
         }
     }
 }
 
 /// Plays with a progress bar; each damaged frame is told as it comes.
-fn play(player: &mut Player<'_>, frames: &[RecordedFrame]) -> Result<Vec<FrameReport>> {
+fn play(player: &mut Player, frames: &[RecordedFrame], writer: &mut FrameWriter, totals: &mut Totals) -> Result<()> {
     let bar = progress(frames.len(), "frames")?;
-    let reports = player.play(frames, |report| {
+    let done = |report: &FrameReport| {
         if !report.is_ok() {
             bar.suspend(|| warn(report));
         }
+        totals.add(report);
         bar.inc(1);
-    });
+    };
+    let played = player.play(frames.iter().map(Taken::of), writer, done);
     bar.finish_and_clear();
-    reports
+    played
+}
+
+/// Of a recording of which no frame can be read.
+fn write_damaged(mut taken: Taken, writer: &mut FrameWriter, totals: &mut Totals) -> Result<()> {
+    let views = std::mem::replace(&mut taken.views, Err(anyhow!("it was read")));
+    let error = views.err().unwrap_or_else(|| anyhow!("{}: could not be read at first", taken.file));
+    let played = taken.damaged(&error);
+    warn(&played.report);
+    totals.add(&played.report);
+    writer.write(played)
+}
+
+/// Autopilots forget what they are not told again in time.
+fn warn_of_pace(frame_rate_hz: u16) {
+    if 10 * frame_rate_hz < LEAST_FRAMES_IN_10_S {
+        warn_input(&format!(
+            "frame_rate_hz = {frame_rate_hz}: autopilots forget a distance after 0.5 s, let the rig take 3 frames a \
+             second or more"
+        ));
+    }
+}
+
+/// One warning for the whole recording: what most of the wrong frames are.
+fn warn_wrong_input(totals: &Totals) {
+    let most = totals.wrong_input.iter().max_by_key(|(_, count)| **count);
+    let Some((frames, advice)) = most.and_then(|(input, frames)| Some((frames, input.advice()?))) else { return };
+    let all = count(totals.frames - totals.damaged);
+    warn_input(&format!("{frames} of {all}: {advice}; frames.csv tells which, and while it lasts no obstacle is told"));
 }
 
 fn warn(report: &FrameReport) {
@@ -241,33 +352,27 @@ impl Summary<'_> {
         if let Some(noise) = self.mean_noise {
             let _ = write!(text, ", noise {noise:.1} grey levels");
         }
-        let folder = self.folder.display();
-        let obstacles = if self.has_rig { ", obstacles.csv" } else { "" };
-        text + &format!("\nin {folder}: <frame>.pfm, <frame>_picture.png, frames.csv{obstacles}\n")
+        if let (Some(sure), Some(mismatch)) = (self.mean_share_sure, self.mean_mismatch_percent) {
+            let _ = write!(text, ", {sure:.1} % sure, mismatch {mismatch:.0} %");
+        }
+        if let Some(obstacles) = &self.obstacles {
+            let _ = match (&obstacles.nearest, obstacles.nearest_obstacle_frame) {
+                (Some(nearest), Some(frame)) => write!(
+                    text,
+                    "\nobstacles in {}, {} in frame {frame}",
+                    count(obstacles.frames_with_obstacles),
+                    nearest.words()
+                ),
+                _ => write!(text, "\nno obstacle measured"),
+            };
+        }
+        if let Some([min, max]) = self.colours_px {
+            let _ = write!(text, "\ncolours span {min} to {max} px in all pictures, from {}", self.colours_from);
+        }
+        text + &format!("\nin {}: {}\n", self.folder.display(), self.files)
     }
 }
 
 fn count(frames: usize) -> String {
     if frames == 1 { "1 frame".to_owned() } else { format!("{frames} frames") }
-}
-
-fn mean(values: &[f64]) -> Option<f64> {
-    (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
-}
-
-/// The lower median.
-fn median(mut values: Vec<f64>) -> Option<f64> {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len().checked_sub(1)? / 2).copied()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn means_and_medians_of_nothing_are_none() {
-        assert_eq!((mean(&[]), median(vec![])), (None, None));
-        assert_eq!((mean(&[1.0, 2.0]), median(vec![3.0, 1.0, 2.0, 9.0])), (Some(1.5), Some(2.0)));
-    }
 }

@@ -10,7 +10,7 @@ use serde::Serialize;
 use super::shared::{LayoutKind, WiringArgs, layout, progress, warn_skipped};
 use super::{Finding, print};
 use crate::input::raw_dump::write_frame;
-use crate::input::recording::{FrameRange, RecordedFrame, Side, find_frames};
+use crate::input::recording::{FrameRange, RecordedFrame, find_frames};
 use crate::{StereoPair, output};
 
 /// Arguments of `haarline record`.
@@ -26,9 +26,6 @@ pub(super) struct Args {
     /// How the recording's views are stored
     #[arg(long, value_enum, default_value_t = LayoutKind::Auto, requires = "recording")]
     layout: LayoutKind,
-    /// Which camera the left half of the recording's side-by-side frames belongs to
-    #[arg(long, value_enum, value_name = "CAMERA", requires = "recording")]
-    layout_first: Option<Side>,
     /// Only these frames of the recording, counted from 0: A..B without B, A.. or ..B
     #[arg(long, value_name = "A..B", allow_hyphen_values = true, requires = "recording")]
     frames: Option<FrameRange>,
@@ -109,7 +106,7 @@ impl Args {
             }
             return Ok(vec![Source::Views(&self.views)]);
         };
-        let frames = find_frames(folder, layout(self.layout, self.layout_first, "--layout-first")?)?;
+        let frames = find_frames(folder, layout(self.layout, self.wiring.first)?)?;
         let (range, recorded) = (self.frames.unwrap_or_default(), frames.len());
         let frames = range.choose(frames, 1);
         ensure!(!frames.is_empty(), "--frames {range}: the recording has {recorded} frames only, counted from 0");

@@ -12,9 +12,10 @@ use haarline::{Config, ContourSettings, Scales, Wiring};
 use haarline_rig::Description;
 use indicatif::{ProgressBar, ProgressState, ProgressStyle};
 
-use super::{print, whole_number};
+use super::{number, print, whole_number};
 use crate::input::recording::{Layout, Side};
 use crate::output;
+use crate::output::colour_range::ColourRange;
 use crate::score::baselines::Baselines;
 use crate::score::scene::{find_scenes, read_meta};
 use crate::score::split::{Half, halves};
@@ -67,11 +68,6 @@ pub(super) struct RigArg {
 }
 
 impl RigArg {
-    /// Whether there is one.
-    pub(super) fn is_given(&self) -> bool {
-        self.rig.is_some()
-    }
-
     /// The description, if there is one, with the search range, focal length in px and baseline in mm of the
     /// options where these tell some.
     pub(super) fn read(&self, search: &SearchRange, geometry: [Option<f64>; 2]) -> Result<Option<Description>> {
@@ -87,6 +83,51 @@ impl RigArg {
         rig.check().with_context(|| path.display().to_string())?;
         Ok(Some(rig))
     }
+}
+
+/// What turns disparities into depth.
+#[derive(Debug, clap::Args)]
+pub(super) struct DepthOptions {
+    /// Focal length, px; with --baseline-mm depth is told, too
+    #[arg(long, value_name = "F", allow_hyphen_values = true, value_parser = number)]
+    focal_px: Option<f64>,
+    /// Distance of the two cameras, mm
+    #[arg(long, value_name = "B", allow_hyphen_values = true, value_parser = number)]
+    baseline_mm: Option<f64>,
+    /// Leaves what is farther out of depth images and point clouds, m
+    #[arg(long, value_name = "M", allow_hyphen_values = true, value_parser = number)]
+    max_depth: Option<f64>,
+}
+
+impl DepthOptions {
+    /// The rig, with the values of these options where they tell some.
+    pub(super) fn rig(&self, rig: &RigArg, search: &SearchRange) -> Result<Option<Description>> {
+        rig.read(search, [self.focal_px, self.baseline_mm])
+    }
+
+    /// Focal length and baseline, if they are known; `rig` has what the options told already.
+    pub(super) fn geometry(&self, rig: Option<&Description>) -> Result<Option<Geometry>> {
+        match rig {
+            Some(rig) => Geometry::new(rig.focal_px, rig.baseline_mm).map(Some),
+            None => Geometry::from_options(self.focal_px, self.baseline_mm),
+        }
+    }
+
+    /// What is farther is left out, m; only where depth is known can it be told.
+    pub(super) fn max_depth_m(&self, geometry: Option<&Geometry>) -> Result<Option<f64>> {
+        let Some(most) = self.max_depth else { return Ok(None) };
+        ensure!(most.is_finite() && most > 0.0, "--max-depth {most}: must be a positive number of m");
+        ensure!(geometry.is_some(), "--max-depth {most}: needs --focal-px and --baseline-mm, or --rig");
+        Ok(Some(most))
+    }
+}
+
+/// What the colours of pictures span.
+#[derive(Debug, clap::Args)]
+pub(super) struct RangeArg {
+    /// Disparities that the colours and greys of pictures span, px
+    #[arg(long, value_name = "A..B", allow_hyphen_values = true)]
+    pub(super) range: Option<ColourRange>,
 }
 
 /// Which method, and its settings.
@@ -191,22 +232,26 @@ pub(super) enum LayoutKind {
     TopBottom,
 }
 
-/// The layout, of whose first camera the option `option` tells.
-pub(super) fn layout(kind: LayoutKind, first: Option<Side>, option: &str) -> Result<Layout> {
+impl LayoutKind {
+    /// Whether each image has both views.
+    pub(super) const fn has_both(self) -> bool {
+        matches!(self, Self::SideBySide | Self::TopBottom)
+    }
+}
+
+/// The layout; `first` is the camera of the left or upper half, if something tells it.
+pub(super) fn layout(kind: LayoutKind, first: Option<Side>) -> Result<Layout> {
     match (kind, first) {
-        (LayoutKind::Auto, None) => Ok(Layout::Separate),
-        (LayoutKind::Folders, None) => Ok(Layout::Folders),
-        (LayoutKind::Names, None) => Ok(Layout::Names),
+        (LayoutKind::Auto, _) => Ok(Layout::Separate),
+        (LayoutKind::Folders, _) => Ok(Layout::Folders),
+        (LayoutKind::Names, _) => Ok(Layout::Names),
         (LayoutKind::SideBySide, Some(first)) => Ok(Layout::SideBySide { first }),
         (LayoutKind::TopBottom, Some(first)) => Ok(Layout::TopBottom { first }),
-        (LayoutKind::Auto | LayoutKind::Folders | LayoutKind::Names, Some(first)) => {
-            bail!("{option} {first}: is for frames with both views, add --layout side-by-side or top-bottom")
-        }
         (LayoutKind::SideBySide, None) => {
-            bail!("--layout side-by-side needs {option} left or {option} right, the camera of the left half")
+            bail!("--layout side-by-side needs --first left or --first right, the camera of the left half")
         }
         (LayoutKind::TopBottom, None) => {
-            bail!("--layout top-bottom needs {option} left or {option} right, the camera of the upper half")
+            bail!("--layout top-bottom needs --first left or --first right, the camera of the upper half")
         }
     }
 }
@@ -218,7 +263,7 @@ pub(super) struct WiringArgs {
     #[arg(long, value_name = "KIND", value_parser = by_name(Kind::ALL, Kind::name))]
     wiring: Option<Kind>,
     /// Which camera is first: in time, in the left half (in a recording's frames, too), on the low data
-    /// lines [default of a raw dump: left]
+    /// lines [default: the rig's; of a raw dump without a rig: left]
     #[arg(long, value_enum, value_name = "CAMERA")]
     pub(super) first: Option<Side>,
     /// Whose pixels come one late; with --wiring pixel only [default: none]
@@ -246,17 +291,22 @@ impl WiringArgs {
         Ok(Some(Wiring { kind, first, skew }))
     }
 
+    /// The first camera, the rig's where nothing was told.
+    pub(super) fn first_with(&self, rig: Option<&Description>) -> Option<Side> {
+        self.first.or_else(|| {
+            rig.map(|rig| match rig.wiring.first {
+                First::Left => Side::Left,
+                First::Right => Side::Right,
+            })
+        })
+    }
+
     /// The wiring with the rig's values where nothing was told. One or the other must tell the kind. The rig's
     /// skew goes with its kind: another one has none.
     pub(super) fn get_with(&self, rig: Option<&Description>) -> Result<Wiring> {
-        let Some(Wiring { kind, first, skew }) = rig.map(|rig| rig.wiring) else { return self.get_required() };
-        let first = match first {
-            First::Left => Side::Left,
-            First::Right => Side::Right,
-        };
+        let Some(Wiring { kind, skew, .. }) = rig.map(|rig| rig.wiring) else { return self.get_required() };
         let skew = self.wiring.is_none_or(|asked| asked == kind).then_some(skew);
-        let merged =
-            Self { wiring: self.wiring.or(Some(kind)), first: self.first.or(Some(first)), skew: self.skew.or(skew) };
+        let merged = Self { wiring: self.wiring.or(Some(kind)), first: self.first_with(rig), skew: self.skew.or(skew) };
         merged.get_required()
     }
 
@@ -279,6 +329,12 @@ fn by_name<T: Copy + Send + Sync + 'static>(
         let found = all.iter().find(|&&value| name(value) == text);
         *found.expect("only names of these are possible")
     })
+}
+
+/// One line about input that is not as it should be.
+pub(super) fn warn_input(what: &str) {
+    // Nowhere is left to tell if this fails, too.
+    let _ = writeln!(io::stderr(), "warning: {what}");
 }
 
 /// One line about a damaged frame.
@@ -353,6 +409,12 @@ fn list(names: impl ExactSizeIterator<Item = String>) -> String {
     if more > 0 { format!("{shown} and {more} more") } else { shown }
 }
 
+/// A word as a shell takes it.
+pub(super) fn quoted(word: &str) -> String {
+    let is_plain = |c: char| c.is_alphanumeric() || "/._-,+=:@%".contains(c);
+    if word.chars().all(is_plain) { word.to_owned() } else { format!("'{}'", word.replace('\'', "'\\''")) }
+}
+
 /// A bar with rate and time left; shown only where the standard error is a terminal.
 pub(super) fn progress(length: usize, what: &str) -> Result<ProgressBar> {
     let style =
@@ -364,4 +426,16 @@ pub(super) fn progress(length: usize, what: &str) -> Result<ProgressBar> {
 fn write_rate(state: &ProgressState, text: &mut dyn fmt::Write) {
     // A bar without its rate is still a bar.
     let _ = write!(text, "{:.1}/s", state.per_sec());
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_command_line_can_be_given_to_a_shell() {
+        assert_eq!(quoted("data/qvga"), "data/qvga");
+        assert_eq!(quoted("my data"), "'my data'");
+        assert_eq!(quoted("it's"), "'it'\\''s'");
+    }
 }

@@ -7,7 +7,7 @@ use anyhow::Result;
 use clap::ValueEnum;
 use clap::builder::PossibleValue;
 
-use super::shared::{progress, scene_folders};
+use super::shared::{progress, quoted, scene_folders};
 use super::{natural_number, print};
 use crate::score::scene::Scene;
 use crate::study::page::{Origin, page};
@@ -87,7 +87,10 @@ impl Args {
         let outcome = (study.run)(&Setup { seed: self.seed, scenes, scenes_name, progress: &progress });
         progress.finish_and_clear();
         let outcome = outcome?;
-        print(&text(&outcome))?;
+        print(&match self.name {
+            Choice::One(_) => text(&outcome),
+            Choice::All => line(&outcome),
+        })?;
         for part in &outcome.parts {
             match part {
                 Part::Text(_) => {}
@@ -107,7 +110,11 @@ impl Args {
         };
         let origin = Origin { command: &self.command_line(), seed: self.seed, scenes };
         self.write(&name, page(title, &origin, outcomes).as_bytes())?;
-        print(&format!("page: {}\n", self.output.join(name).display()))
+        let hint = match self.name {
+            Choice::One(_) => "",
+            Choice::All => "; haarline study NAME -o DIR prints the tables of one, too",
+        };
+        print(&format!("page: {}{hint}\n", self.output.join(name).display()))
     }
 
     fn write(&self, name: &str, bytes: &[u8]) -> Result<()> {
@@ -131,10 +138,12 @@ impl Args {
     }
 }
 
-/// A word as a shell takes it.
-fn quoted(word: &str) -> String {
-    let is_plain = |c: char| c.is_alphanumeric() || "/._-,+=:@%".contains(c);
-    if word.chars().all(is_plain) { word.to_owned() } else { format!("'{}'", word.replace('\'', "'\\''")) }
+/// That a study was done, where the page tells what all of them found.
+fn line(outcome: &Outcome) -> String {
+    let count = |is_one: fn(&Part) -> bool| outcome.parts.iter().filter(|part| is_one(part)).count();
+    let tables = count(|part| matches!(part, Part::Table(_)));
+    let plots = count(|part| matches!(part, Part::Plot(_)));
+    format!("{:<10} {}: tables {tables}, plots {plots}\n", outcome.name, outcome.title)
 }
 
 /// What a study found, to read on a terminal.
@@ -179,12 +188,5 @@ mod tests {
         let lines = wrap(&words);
         assert!(lines.lines().all(|line| line.len() <= LINE), "{lines}");
         assert_eq!(lines.split_whitespace().count(), 50);
-    }
-
-    #[test]
-    fn the_command_line_can_be_given_to_a_shell() {
-        assert_eq!(quoted("data/qvga"), "data/qvga");
-        assert_eq!(quoted("my data"), "'my data'");
-        assert_eq!(quoted("it's"), "'it'\\''s'");
     }
 }

@@ -12,10 +12,10 @@ use haarline::{Stage, Wiring};
 use haarline_rig::Description;
 use serde::Serialize;
 
-use super::shared::{RigArg, SearchRange, WiringArgs};
+use super::shared::{LayoutKind, RigArg, SearchRange, WiringArgs, layout};
 use super::{Finding, natural_number, number, print};
 use crate::input::raw_dump::{RawFormat, ViewSize};
-use crate::input::recording::{Layout, Side, find_frames};
+use crate::input::recording::{Side, find_frames};
 use crate::output;
 use crate::score::degrade::Degradation;
 use crate::stereo::method::MethodKind;
@@ -26,30 +26,37 @@ use crate::twin::footage::Footage;
 use crate::twin::machine::Machine;
 use crate::twin::rows::decode;
 use crate::twin::{Report, Request, obstacles};
-use crate::{DisparityMap, StereoPair, input::rig_file, output::pfm, stereo::pipeline};
+use crate::{DisparityMap, Frame, StereoPair, input::rig_file, output::pfm, stereo::pipeline};
 
 /// Bytes of results that are kept whole; of a longer run only the recording's first and last round are.
 const MOST_KEPT: u64 = 256 << 20;
+
+/// Width and height of random views, px.
+const RANDOM_SIZE: [usize; 2] = [320, 240];
 
 /// Arguments of `haarline twin`.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
     /// Left view
-    #[arg(required_unless_present = "recording", requires = "right", conflicts_with = "recording")]
+    #[arg(required_unless_present_any = ["recording", "random"], requires = "right", conflicts_with_all = ["recording", "random"])]
     left: Option<PathBuf>,
     /// Right view
     right: Option<PathBuf>,
     /// Instead of a pair: folder with the folders left and right, or with images of both views
-    /// (--side-by-side), or file with the bytes that a camera port stored (--raw)
+    /// (--layout side-by-side), or file with the bytes that a camera port stored (--raw)
     #[arg(long, value_name = "DIR")]
     recording: Option<PathBuf>,
-    /// The recording's images hold both views, that of this camera in the left half
-    #[arg(long, value_enum, value_name = "CAMERA", requires = "recording")]
-    side_by_side: Option<Side>,
+    /// How the recording's views are stored
+    #[arg(long, value_enum, default_value_t = LayoutKind::Auto, requires = "recording")]
+    layout: LayoutKind,
     /// The recording is a raw dump, frame after frame without any header, which is played as it is; the
     /// size is that of one view, px
-    #[arg(long, value_name = "WIDTHxHEIGHT", requires = "recording", conflicts_with = "side_by_side")]
+    #[arg(long, value_name = "WIDTHxHEIGHT", requires = "recording", conflicts_with = "layout")]
     raw: Option<ViewSize>,
+    /// Instead of a pair: two views of random bytes, 320 x 240 px, that have nothing in common; what comes of this seed
+    /// stays the same
+    #[arg(long, value_name = "SEED", conflicts_with_all = ["recording", "noise", "seed", "rig"], allow_hyphen_values = true, value_parser = natural_number)]
+    random: Option<u64>,
     /// Adds Gaussian noise to both views as eval does, if the views lie in the scene's folder: standard
     /// deviation, grey levels
     #[arg(long, value_name = "SIGMA", default_value_t = 0.0, allow_hyphen_values = true, value_parser = number, conflicts_with = "raw")]
@@ -82,7 +89,8 @@ pub(super) struct Args {
     /// Disparity map in px (PFM); of several frames FILE_0000.pfm and so on
     #[arg(short, long = "output", value_name = "FILE.pfm")]
     output: Option<PathBuf>,
-    /// The program, if it shall not be built [default: built by cargo in the workspace around this folder]
+    /// The program, as `cargo twin` builds it in target/thumbv7em-none-eabihf/firmware/twin [default: that of the
+    /// environment variable HAARLINE_TWIN, or built by cargo if this folder is in Haarline's sources]
     #[arg(long, value_name = "FILE")]
     elf: Option<PathBuf>,
     /// Seconds until the run is given up
@@ -112,6 +120,8 @@ struct Summary {
     num_disparities: u16,
     noise: f64,
     seed: u64,
+    /// Seed of random views, where they are.
+    random: Option<u64>,
     wiring: &'static str,
     first: &'static str,
     skew: &'static str,
@@ -119,11 +129,13 @@ struct Summary {
     fault: Option<String>,
     /// `total` and one entry a stage.
     instructions_per_pixel: BTreeMap<&'static str, f64>,
-    /// Instructions of a row.
+    /// Instructions of a row that comes in: the mean, the most, and how many times the mean the most is.
     mean_row: f64,
     worst_row: u64,
-    /// Instructions after a frame's last row, mean.
+    worst_row_ratio: f64,
+    /// Instructions after a frame's last row, mean; and of how many rows that is the work.
     frame_end: f64,
+    frame_end_rows: f64,
     /// Instructions of a change of stage, subtracted everywhere.
     clock_instructions: u64,
     estimates: Vec<Estimate>,
@@ -168,7 +180,7 @@ impl Args {
             output::check_writable("--obstacles", path)?;
         }
 
-        let elf = self.elf.clone().map_or_else(elf::build, Ok)?;
+        let elf = self.elf.clone().map_or_else(elf::find, Ok)?;
         let program = fs::read(&elf).with_context(|| format!("{}: cannot be read", elf.display()))?;
         let memory = elf::memory(&program, method.name()).with_context(|| elf.display().to_string())?;
         let folder = tempfile::tempdir().context("a folder for the run")?;
@@ -192,8 +204,11 @@ impl Args {
             let frames = (0..frames).filter(|frame| found.get(frame) != Some(&expected[(frame % recorded) as usize]));
             summary.different_obstacles = frames.collect();
             if let Some(path) = &self.obstacles {
-                let frames =
-                    found.into_iter().map(|(frame, nearest_mm)| FrameObstacles { frame: frame as usize, nearest_mm });
+                let frames = found.into_iter().map(|(frame, nearest_mm)| FrameObstacles {
+                    frame: frame as usize,
+                    nearest_mm,
+                    free: Vec::new(),
+                });
                 output::write(path, &finder.encode_csv(&frames.collect::<Vec<_>>())?)?;
             }
         }
@@ -219,7 +234,7 @@ impl Args {
             Some(_) => self.wiring.get_with(rig)?,
             None => self.wiring.get()?.unwrap_or(Wiring::new(Kind::SideBySide, first)),
         };
-        let mut pairs = self.read_pairs()?;
+        let mut pairs = self.read_pairs(rig)?;
         let noise = self.noise;
         ensure!((0.0..=255.0).contains(&noise), "--noise {noise}: must be 0 to 255");
         let degradation = Degradation { noise, seed: self.seed, ..Degradation::default() };
@@ -230,7 +245,10 @@ impl Args {
     }
 
     /// All frames, with the names that tell their noise apart: that of the scene's folder or of the frame.
-    fn read_pairs(&self) -> Result<Vec<(String, StereoPair)>> {
+    fn read_pairs(&self, rig: Option<&Description>) -> Result<Vec<(String, StereoPair)>> {
+        if let Some(seed) = self.random {
+            return Ok(vec![(String::from("random"), random_views(seed))]);
+        }
         if let (Some(left), Some(right)) = (&self.left, &self.right) {
             let pair = StereoPair::read(left, right)?;
             let path = left.canonicalize().with_context(|| left.display().to_string())?;
@@ -238,8 +256,10 @@ impl Args {
             return Ok(vec![(scene.to_string_lossy().into_owned(), pair)]);
         }
         let Some(folder) = &self.recording else { bail!("two views are needed, or --recording") };
-        let layout = self.side_by_side.map_or(Layout::Separate, |first| Layout::SideBySide { first });
-        find_frames(folder, layout)?.into_iter().map(|frame| Ok((frame.name.clone(), frame.read()?))).collect()
+        find_frames(folder, layout(self.layout, self.wiring.first_with(rig))?)?
+            .into_iter()
+            .map(|frame| Ok((frame.name.clone(), frame.read()?)))
+            .collect()
     }
 
     fn write(&self, maps: &BTreeMap<u32, DisparityMap>) -> Result<()> {
@@ -270,6 +290,8 @@ impl Args {
         let rows = report.get("worked_rows")? as f64;
         let pixels = (rows * width as f64).max(1.0);
         let total = report.get("total")? as f64 / pixels;
+        let mean_row = report.get("row_sum")? as f64 / rows.max(1.0);
+        let frame_end = report.get("frame_ends")? as f64 / f64::from(request.frames);
         let mut instructions_per_pixel = BTreeMap::from([("total", total)]);
         for (stage, count) in report.stages()? {
             instructions_per_pixel.insert(stage.name(), count as f64 / pixels);
@@ -285,15 +307,18 @@ impl Args {
             num_disparities: request.config.num_disparities,
             noise: self.noise,
             seed: self.seed,
+            random: self.random,
             wiring: request.wiring.kind.name(),
             first: request.wiring.first.name(),
             skew: request.wiring.skew.name(),
             frames: request.frames,
             fault: self.fault.clone(),
             instructions_per_pixel,
-            mean_row: report.get("row_sum")? as f64 / rows.max(1.0),
+            mean_row,
             worst_row: report.get("worst_row")?,
-            frame_end: report.get("frame_ends")? as f64 / f64::from(request.frames),
+            worst_row_ratio: report.get("worst_row")? as f64 / mean_row.max(1.0),
+            frame_end,
+            frame_end_rows: frame_end / mean_row.max(1.0),
             clock_instructions: report.get("clock")?,
             estimates: CHIPS.iter().map(|chip| chip.estimate(total, frame_pixels)).collect(),
             memory,
@@ -313,6 +338,15 @@ fn different(maps: &BTreeMap<u32, DisparityMap>, expected: &[DisparityMap], requ
     let Request { frames, keep, recorded, .. } = *request;
     let kept = (0..frames).filter(|&frame| frame < keep || frame >= frames.saturating_sub(keep));
     kept.filter(|frame| maps.get(frame) != Some(&expected[(frame % recorded) as usize])).collect()
+}
+
+/// Two views of random bytes.
+fn random_views(seed: u64) -> StereoPair {
+    let [width, height] = RANDOM_SIZE;
+    let blank = Frame::from_luma(width, height, vec![0; width * height]);
+    let mut pair = StereoPair { left: blank.clone(), right: blank };
+    Degradation { random: true, seed, ..Degradation::default() }.apply("random", &mut pair);
+    pair
 }
 
 /// The name for one of several maps.
@@ -339,8 +373,8 @@ impl Summary {
         }
         let _ = writeln!(
             text,
-            "row: mean {:.0}, worst {} instructions; frame end {:.0}",
-            self.mean_row, self.worst_row, self.frame_end
+            "row: mean {:.0}, worst {} instructions, {:.2} x the mean; frame end {:.0}, {:.1} rows",
+            self.mean_row, self.worst_row, self.worst_row_ratio, self.frame_end, self.frame_end_rows
         );
         let _ = writeln!(text, "estimated by a model of instruction classes (no cycle was measured):");
         for Estimate { chip, cycles_per_pixel, fps, core_mw, nj_per_pixel, current_source } in &self.estimates {

@@ -61,6 +61,17 @@ impl GrowingTable {
         writer.serialize(row)?;
         self.file.add(&writer.into_inner()?)
     }
+
+    /// Adds a row of `fields`, which no heads are made of.
+    ///
+    /// # Errors
+    /// Names the file.
+    pub fn add_record(&mut self, fields: &[String]) -> Result<()> {
+        self.is_headed = true;
+        let mut writer = csv::Writer::from_writer(Vec::new());
+        writer.write_record(fields)?;
+        self.file.add(&writer.into_inner()?)
+    }
 }
 
 #[cfg(test)]

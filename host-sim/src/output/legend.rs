@@ -7,7 +7,8 @@ use embedded_graphics::text::{Alignment, Baseline, Text, TextStyleBuilder};
 use embedded_graphics::{Drawable, Pixel};
 use image::{Rgb, RgbImage};
 
-use super::picture::{ColourRange, unknown_colour};
+use super::colour_range::ColourRange;
+use super::picture::unknown_colour;
 use crate::Geometry;
 
 pub(super) const BACKGROUND: Rgb<u8> = Rgb([18, 18, 22]);

@@ -1,10 +1,14 @@
 //! Files that come out: written beside the target and renamed, so that nothing half-written ever has
 //! the final name.
 
+pub mod colour_range;
 pub mod contour_picture;
+pub mod depth_png;
 pub mod growing;
 pub mod kitti_png;
 mod legend;
+pub mod map_file;
+pub mod npy;
 pub mod obstacle_strip;
 pub mod pfm;
 pub mod picture;
@@ -17,47 +21,6 @@ use std::path::{Path, PathBuf};
 use anyhow::{Result, anyhow, bail, ensure};
 use image::{ExtendedColorType, ImageEncoder};
 use tempfile::NamedTempFile;
-
-use crate::{DisparityMap, Frame, Geometry};
-
-/// The kinds of disparity file, by the suffix of their name.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum MapKind {
-    /// `.pfm`: px in 32-bit floating point ([`pfm`]).
-    Pfm,
-    /// `.png`: 16 bits, disparity x 256 ([`kitti_png`]).
-    KittiPng,
-    /// `.ply`: coloured points ([`ply`]).
-    Ply,
-}
-
-impl MapKind {
-    /// The kind that `path`'s suffix asks for, in upper or lower case.
-    ///
-    /// # Errors
-    /// If it is none of them.
-    pub fn of(path: &Path) -> Result<Self> {
-        match suffix(path).as_str() {
-            "pfm" => Ok(Self::Pfm),
-            "png" => Ok(Self::KittiPng),
-            "ply" => Ok(Self::Ply),
-            _ => bail!("-o {}: unknown kind of file; the name must end in .pfm, .png or .ply", path.display()),
-        }
-    }
-
-    /// The file's content. A point cloud is coloured like `left`.
-    ///
-    /// # Errors
-    /// If the map cannot be told in that kind of file.
-    pub fn encode(self, map: &DisparityMap, left: &Frame, geometry: Option<&Geometry>) -> Result<Vec<u8>> {
-        match (self, geometry) {
-            (Self::Pfm, _) => Ok(pfm::encode(map)),
-            (Self::KittiPng, _) => kitti_png::encode(map),
-            (Self::Ply, Some(geometry)) => Ok(ply::encode(map, left, geometry)),
-            (Self::Ply, None) => bail!("a point cloud needs --focal-px and --baseline-mm"),
-        }
-    }
-}
 
 /// Refuses a picture's name that does not end in `.png`.
 ///
@@ -194,16 +157,6 @@ pub fn encode_grey_png(luma: &[u8], size: [usize; 2]) -> Result<Vec<u8>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn the_suffix_tells_the_kind() {
-        assert_eq!(MapKind::of(Path::new("a/b.pfm")).unwrap(), MapKind::Pfm);
-        assert_eq!(MapKind::of(Path::new("b.PNG")).unwrap(), MapKind::KittiPng);
-        assert_eq!(MapKind::of(Path::new("b.c.ply")).unwrap(), MapKind::Ply);
-        for name in ["b", "b.jpg", ".png", "png", ""] {
-            assert!(MapKind::of(Path::new(name)).is_err(), "{name}");
-        }
-    }
 
     #[test]
     fn a_file_is_replaced_and_nothing_else_is_left() {

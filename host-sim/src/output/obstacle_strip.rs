@@ -7,9 +7,10 @@ use embedded_graphics::text::{Alignment, Baseline, Text, TextStyleBuilder};
 use haarline::Setup;
 use image::{GenericImage as _, RgbImage};
 
+use super::colour_range::ColourRange;
 use super::legend::{BACKGROUND, Canvas, INK};
-use super::picture::{ColourRange, unknown_colour};
-use crate::Geometry;
+use super::picture::{scale, unknown_colour};
+use crate::{DisparityMap, Geometry};
 
 /// Height of a sector's field, px.
 const FIELD: u32 = 16;
@@ -32,21 +33,23 @@ pub struct ObstacleStrip<'a, const SECTORS: usize> {
 }
 
 impl<const SECTORS: usize> ObstacleStrip<'_, SECTORS> {
-    /// `picture`, whose map has `map_size`, with the strip below the map: each sector where the map's middle row
-    /// sees it, coloured as a surface at that distance, with the distance in cm.
+    /// `picture` of `map` with the strip below the map: each sector where the map's middle row sees it, coloured
+    /// as a surface at that distance, with the distance in cm.
     #[must_use]
-    pub fn below(&self, picture: &RgbImage, map_size: [u32; 2], range: &ColourRange) -> RgbImage {
-        let top = map_size[1] + GAP;
+    pub fn below(&self, picture: &RgbImage, map: &DisparityMap, range: &ColourRange) -> RgbImage {
+        let scale = scale(map.width);
+        let top = map.height as u32 * scale + GAP;
         let height = picture.height().max(top + FIELD + NUMBERS);
         let mut canvas = Canvas(RgbImage::from_pixel(picture.width(), height, BACKGROUND));
         if canvas.0.copy_from(picture, 0, 0).is_err() {
             return canvas.0;
         }
-        let borders = self.borders(map_size[0]);
+        let borders = self.borders(map.width as u32);
         for (columns, &mm) in borders.windows(2).zip(self.nearest_mm) {
-            self.field(&mut canvas, [columns[0], columns[1]], top, mm, range);
+            let columns = [columns[0], columns[1]].map(|column| column * i64::from(scale));
+            self.field(&mut canvas, columns, top, mm, range);
         }
-        canvas.write("obstacles, cm", map_size[0] + GAP, top + FIELD / 2);
+        canvas.write("obstacles, cm", map.width as u32 * scale + GAP, top + FIELD / 2);
         canvas.0
     }
 

@@ -1,280 +1,183 @@
 //! A recording through one instance of a method, frame after frame, into a folder.
+//!
+//! Three threads: one reads the next frames, this one matches, one writes what came of the last ones; what waits
+//! between them is bounded, whatever the recording's length.
 
-use std::path::Path;
+mod report;
+mod writer;
 
-use anyhow::{Context, Result, ensure};
-use haarline::obstacle::MAX_SECTORS;
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::thread;
+
+use anyhow::{Result, ensure};
 use haarline::{Config, Offset, StereoMethod};
 use haarline_rig::Description;
-use rayon::prelude::*;
-use serde::{Serialize, Serializer};
+
+pub use report::{FrameReport, Status, Totals};
+pub use writer::{Files, FrameWriter, ObstacleTotals, Played, Seen};
 
 use crate::input::recording::RecordedFrame;
-use crate::output::obstacle_strip::ObstacleStrip;
-use crate::output::picture::{self, ColourRange};
+use crate::input::{noise, rig_file};
+use crate::stereo::frame_check::FrameCheck;
 use crate::stereo::method::Method;
-use crate::stereo::obstacles::{FrameObstacles, ObstacleFinder};
-use crate::stereo::pipeline::{self, Run};
-use crate::{DisparityMap, Geometry, StereoPair, input::noise, input::rig_file, output};
+use crate::stereo::obstacles::ObstacleFinder;
+use crate::stereo::pipeline;
+use crate::{DisparityMap, StereoPair};
 
-/// So many frames are read at once, and so many results written; in between they are matched one after
-/// the other.
-const BATCH: usize = 16;
+/// Frames that may wait before and after the matching.
+const WAITING: usize = 2;
 
-/// What came of a frame: a row of `frames.csv`.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct FrameReport {
+/// A frame as it comes from a recording or a stream.
+#[derive(Debug)]
+pub struct Taken {
     /// Its place in the recording, from 0.
-    pub frame: usize,
+    pub index: usize,
+    /// What its files' names begin with; no other frame has the same.
+    pub name: String,
     /// Its file, that of the left view if there are two.
     pub file: String,
-    /// Whether it could be played.
-    pub status: Status,
-    /// Share of the pixels with a disparity, percent.
-    #[serde(serialize_with = "rounded")]
-    pub density: Option<f64>,
-    /// The lower median of the disparities, px.
-    #[serde(serialize_with = "rounded")]
-    pub median_disparity_px: Option<f64>,
-    /// Noise of the views ([`noise::estimate`]), grey levels.
-    #[serde(serialize_with = "rounded")]
-    pub noise: Option<f64>,
-    /// Pixels of the left view.
-    pub pixels: Option<usize>,
-    /// Those with a disparity.
-    pub answered: Option<usize>,
-    /// Rows that the method delivered.
-    pub rows: Option<usize>,
-    /// Those without a disparity.
-    pub rows_unknown: Option<usize>,
-    /// Time in the method.
-    #[serde(serialize_with = "rounded")]
-    pub milliseconds: Option<f64>,
-    /// Why it could not be played.
-    pub error: Option<String>,
+    /// Both views, or why there are none.
+    pub views: Result<StereoPair>,
 }
 
-/// Whether a frame could be played.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Status {
-    /// It was.
-    Ok,
-    /// It cannot be read, or has another size than the first one that can.
-    Damaged,
-}
-
-/// To three digits: what is beyond says nothing.
-fn rounded<S: Serializer>(value: &Option<f64>, serializer: S) -> Result<S::Ok, S::Error> {
-    value.map(|value| (value * 1000.0).round() / 1000.0).serialize(serializer)
-}
-
-impl FrameReport {
-    fn damaged(frame: &RecordedFrame, error: &anyhow::Error) -> Self {
-        let words = format!("{error:#}");
-        Self {
-            frame: frame.index,
-            file: frame.file.clone(),
-            status: Status::Damaged,
-            density: None,
-            median_disparity_px: None,
-            noise: None,
-            pixels: None,
-            answered: None,
-            rows: None,
-            rows_unknown: None,
-            milliseconds: None,
-            error: Some(words.split_whitespace().collect::<Vec<_>>().join(" ")),
-        }
-    }
-
-    fn played(frame: &RecordedFrame, Run { map, elapsed }: &Run, noise: Option<f64>) -> Self {
-        let is_unknown = |row: &&[haarline::Disparity]| !row.iter().any(|disparity| disparity.is_known());
-        Self {
-            frame: frame.index,
-            file: frame.file.clone(),
-            status: Status::Ok,
-            density: Some(map.density()),
-            median_disparity_px: map.spread().map(|spread| spread.median_px),
-            noise,
-            pixels: Some(map.disparity.len()),
-            answered: Some(map.known().count()),
-            rows: Some(map.height),
-            rows_unknown: Some(map.disparity.chunks(map.width).filter(is_unknown).count()),
-            milliseconds: Some(elapsed.as_secs_f64() * 1000.0),
-            error: None,
-        }
-    }
-
-    /// Whether it could be played.
+impl Taken {
+    /// Reads a frame of a recording.
     #[must_use]
-    pub fn is_ok(&self) -> bool {
-        self.status == Status::Ok
+    pub fn of(frame: &RecordedFrame) -> Self {
+        let RecordedFrame { index, name, file, .. } = frame;
+        Self { index: *index, name: name.clone(), file: file.clone(), views: frame.read() }
+    }
+
+    /// Both views, if they have the size, with their noise.
+    fn check(&mut self, size: [usize; 2]) -> Result<(StereoPair, Option<f64>)> {
+        let pair = std::mem::replace(&mut self.views, Err(anyhow::anyhow!("taken")))?;
+        ensure!(
+            [pair.width(), pair.height()] == size,
+            "{}: the views are {}x{} px, but those of the first frame are {}x{} px",
+            self.file,
+            pair.width(),
+            pair.height(),
+            size[0],
+            size[1]
+        );
+        let noise = noise::estimate(&pair);
+        Ok((pair, noise))
+    }
+
+    /// What is told of it where it cannot be played.
+    #[must_use]
+    pub fn damaged(self, error: &anyhow::Error) -> Played {
+        Played { report: FrameReport::damaged(&self, error), name: self.name, seen: None }
     }
 }
 
-/// The rig that a recording was taken with.
-#[derive(Debug)]
-struct RigView {
-    offset: Offset,
-    geometry: Geometry,
-    finder: ObstacleFinder,
-    obstacles: Vec<FrameObstacles>,
-}
+/// A frame that was read.
+type Read = (Taken, Result<(StereoPair, Option<f64>)>);
 
 /// Plays frames of one size.
-pub struct Player<'a> {
+pub struct Player {
     method: Box<dyn StereoMethod + Send>,
     height: usize,
-    range: ColourRange,
     min_confidence: u8,
-    folder: &'a Path,
-    rig: Option<RigView>,
+    rig: Option<(Offset, ObstacleFinder)>,
 }
 
-impl<'a> Player<'a> {
-    /// A player for frames of `height` rows that writes into `folder`; pixels of less than
-    /// `min_confidence` become unknown.
+impl Player {
+    /// A player for frames of `height` rows; pixels of less than `min_confidence` become unknown.
     ///
     /// # Errors
     /// If the method refuses the configuration.
-    pub fn new(
-        method: impl Into<Method>,
-        config: Config,
-        height: usize,
-        min_confidence: u8,
-        folder: &'a Path,
-    ) -> Result<Self> {
-        // The same colours for all frames, so that the pictures compare.
-        let range = ColourRange::of_search(&config);
-        Ok(Self { method: method.into().build(config)?, height, range, min_confidence, folder, rig: None })
+    pub fn new(method: impl Into<Method>, config: Config, height: usize, min_confidence: u8) -> Result<Self> {
+        Ok(Self { method: method.into().build(config)?, height, min_confidence, rig: None })
     }
 
-    /// The same for frames of that rig: takes its offsets away, and looks for obstacles.
+    /// The same for frames of that rig: takes its offsets away, and looks for obstacles, and for sectors that are free
+    /// up to a distance if one is told, mm.
     ///
     /// # Errors
     /// If the frames have another size than the rig's, or its fields do not go together.
-    pub fn with_rig(mut self, rig: &Description) -> Result<Self> {
+    pub fn with_rig(mut self, rig: &Description, free_beyond_mm: Option<u32>) -> Result<Self> {
         rig_file::check_size(rig, [self.method.config().width.into(), self.height])?;
-        let (geometry, finder) = (Geometry::new(rig.focal_px, rig.baseline_mm)?, ObstacleFinder::new(rig)?);
-        self.rig = Some(RigView { offset: rig.offset, geometry, finder, obstacles: Vec::new() });
+        let finder = match free_beyond_mm {
+            Some(mm) => ObstacleFinder::with_free_beyond(rig, mm)?,
+            None => ObstacleFinder::new(rig)?,
+        };
+        self.rig = Some((rig.offset, finder));
         Ok(self)
     }
 
-    /// The obstacles of the frames played so far, and who found them; none without a rig.
+    /// Who finds the obstacles; none without a rig.
     #[must_use]
-    pub fn obstacles(&self) -> Option<(&ObstacleFinder, &[FrameObstacles])> {
-        self.rig.as_ref().map(|rig| (&rig.finder, &rig.obstacles[..]))
+    pub fn obstacles(&self) -> Option<&ObstacleFinder> {
+        self.rig.as_ref().map(|(_, finder)| finder)
     }
 
-    /// Plays `frames` in their order and writes `<name>.pfm` and `<name>_picture.png` of each; `done`
-    /// is called after each. A damaged frame is skipped.
+    /// Plays `frames` in their order into `writer`; `done` is called after each was written. A damaged frame is
+    /// told and skipped.
     ///
     /// # Errors
     /// If a file cannot be written.
-    pub fn play(&mut self, frames: &[RecordedFrame], mut done: impl FnMut(&FrameReport)) -> Result<Vec<FrameReport>> {
-        let mut reports = Vec::with_capacity(frames.len());
-        for batch in frames.chunks(BATCH) {
-            let size = [usize::from(self.method.config().width), self.height];
-            let views: Vec<Result<(StereoPair, Option<f64>)>> =
-                batch.par_iter().map(|frame| read(frame, size)).collect();
-            let mut maps = Vec::with_capacity(batch.len());
-            for (frame, views) in batch.iter().zip(views) {
-                let report = match views {
-                    Ok((pair, noise)) => {
-                        let offset = self.rig.as_ref().map_or_else(Offset::default, |rig| rig.offset);
-                        let mut run = pipeline::run_paired(&mut *self.method, offset, &pair)?;
-                        run.map.drop_below(self.min_confidence);
-                        let report = FrameReport::played(frame, &run, noise);
-                        let nearest_mm = self.rig.as_mut().map(|rig| rig.look(frame, &run.map));
-                        maps.push((frame, run.map, nearest_mm));
-                        report
-                    }
-                    Err(error) => {
-                        if let Some(rig) = &mut self.rig {
-                            rig.obstacles.push(FrameObstacles { frame: frame.index, nearest_mm: Vec::new() });
-                        }
-                        FrameReport::damaged(frame, &error)
-                    }
-                };
-                done(&report);
-                reports.push(report);
+    pub fn play(
+        &mut self,
+        frames: impl Iterator<Item = Taken> + Send,
+        writer: &mut FrameWriter,
+        mut done: impl FnMut(&FrameReport) + Send,
+    ) -> Result<()> {
+        let size = [usize::from(self.method.config().width), self.height];
+        let (to_match, taken) = sync_channel(WAITING);
+        let (to_write, played) = sync_channel::<Played>(WAITING);
+        thread::scope(|scope| {
+            scope.spawn(move || read(frames, size, &to_match));
+            let writing = scope.spawn(move || {
+                for played in played {
+                    let report = played.report.clone();
+                    writer.write(played)?;
+                    done(&report);
+                }
+                writer.finish()
+            });
+            let matched = self.match_all(taken, &to_write);
+            drop(to_write);
+            let written = writing.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+            // Where the writer gave up, the matching only stopped.
+            written.and(matched)
+        })
+    }
+
+    /// Matches one frame after the other, until there is none or nobody to take them.
+    fn match_all(&mut self, taken: Receiver<Read>, to_write: &SyncSender<Played>) -> Result<()> {
+        for (taken, views) in taken {
+            let played = match views {
+                Ok((pair, noise)) => self.match_one(taken, pair, noise)?,
+                Err(error) => taken.damaged(&error),
+            };
+            if to_write.send(played).is_err() {
+                break;
             }
-            let (folder, range, rig) = (self.folder, &self.range, self.rig.as_ref());
-            maps.par_iter().try_for_each(|(frame, map, nearest_mm)| {
-                let strip = rig.zip(nearest_mm.as_deref()).map(|(rig, nearest_mm)| rig.strip(nearest_mm));
-                write_map(folder, range, frame, map, strip.as_ref())
-            })?;
         }
-        Ok(reports)
+        Ok(())
+    }
+
+    fn match_one(&mut self, taken: Taken, pair: StereoPair, noise: Option<f64>) -> Result<Played> {
+        let offset = self.rig.as_ref().map_or_else(Offset::default, |(offset, _)| *offset);
+        let mut run = pipeline::run_paired(&mut *self.method, offset, &pair)?;
+        let check = FrameCheck::of(&pair, offset, &run.map);
+        run.map.drop_below(self.min_confidence);
+        let report = FrameReport::played(&taken, &run, noise, &check);
+        let map: DisparityMap = run.map;
+        let obstacles = self.rig.as_mut().map(|(_, finder)| finder.find_checked(taken.index, &map, &check));
+        Ok(Played { name: taken.name, report, seen: Some(Seen { map, left: pair.left, obstacles }) })
     }
 }
 
-impl RigView {
-    /// Looks for obstacles in a map, and notes them.
-    fn look(&mut self, frame: &RecordedFrame, map: &DisparityMap) -> Vec<Option<u32>> {
-        let nearest_mm = self.finder.find(map);
-        self.obstacles.push(FrameObstacles { frame: frame.index, nearest_mm: nearest_mm.clone() });
-        nearest_mm
+/// Reads one frame after the other, until there is none or nobody to take them.
+fn read(frames: impl Iterator<Item = Taken>, size: [usize; 2], to_match: &SyncSender<Read>) {
+    for mut taken in frames {
+        let views = taken.check(size);
+        if to_match.send((taken, views)).is_err() {
+            return;
+        }
     }
-
-    fn strip<'a>(&'a self, nearest_mm: &'a [Option<u32>]) -> ObstacleStrip<'a, MAX_SECTORS> {
-        ObstacleStrip { setup: self.finder.setup(), geometry: &self.geometry, nearest_mm }
-    }
-}
-
-/// Both views of a frame, if they have the size, and their noise.
-fn read(frame: &RecordedFrame, size: [usize; 2]) -> Result<(StereoPair, Option<f64>)> {
-    let pair = frame.read()?;
-    ensure!(
-        [pair.width(), pair.height()] == size,
-        "{}: the views are {}x{} px, but those of the first frame are {}x{} px",
-        frame.file,
-        pair.width(),
-        pair.height(),
-        size[0],
-        size[1]
-    );
-    let noise = noise::estimate(&pair);
-    Ok((pair, noise))
-}
-
-fn write_map(
-    folder: &Path,
-    range: &ColourRange,
-    frame: &RecordedFrame,
-    map: &DisparityMap,
-    strip: Option<&ObstacleStrip<'_, MAX_SECTORS>>,
-) -> Result<()> {
-    let file = |suffix: &str| folder.join(format!("{}{suffix}", frame.name));
-    output::write(&file(".pfm"), &output::pfm::encode(map))?;
-    let picture = match strip {
-        Some(strip) => picture::encode_with_obstacles(map, range, strip)?,
-        None => picture::encode(map, range, None)?,
-    };
-    output::write(&file("_picture.png"), &picture)
-}
-
-/// The reports of frames that cannot be read, where no frame of the recording can.
-#[must_use]
-pub fn report_damaged(frames: &[RecordedFrame]) -> Vec<FrameReport> {
-    let report = |frame: &RecordedFrame| match frame.read() {
-        Ok(_) => FrameReport::damaged(frame, &anyhow::anyhow!("{}: could not be read at first", frame.file)),
-        Err(error) => FrameReport::damaged(frame, &error),
-    };
-    frames.par_iter().map(report).collect()
-}
-
-/// The content of `frames.csv`.
-///
-/// # Errors
-/// Never for reports of frames.
-pub fn encode_csv(reports: &[FrameReport]) -> Result<Vec<u8>> {
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    for report in reports {
-        writer.serialize(report)?;
-    }
-    writer.into_inner().context("frames.csv")
 }
 
 #[cfg(test)]
@@ -283,7 +186,9 @@ mod tests {
     use crate::MethodKind;
     use crate::input::recording::{Layout, Side, find_frames};
     use crate::output::encode_grey_png;
+    use crate::output::map_file::MapKind;
     use std::fs;
+    use std::path::Path;
 
     /// A recording of three frames of noise shifted by 3 px, the middle one cut off.
     fn record(folder: &Path) -> Vec<RecordedFrame> {
@@ -297,41 +202,63 @@ mod tests {
         find_frames(folder, Layout::SideBySide { first: Side::Left }).unwrap()
     }
 
+    fn play(frames: &[RecordedFrame], height: usize, out: &Path) -> Vec<FrameReport> {
+        let config = Config { width: 64, min_disparity: 0, num_disparities: 16 };
+        let mut player = Player::new(MethodKind::Lite, config, height, 0).unwrap();
+        let kinds = vec![MapKind::Disparity, MapKind::Picture];
+        let (folder, first_second) = (out.to_owned(), 10);
+        let files = Files { folder, kinds, geometry: None, max_depth_m: None, range: None, first_second };
+        let mut writer = FrameWriter::begin(files).unwrap();
+        let mut reports = Vec::new();
+        player.play(frames.iter().map(Taken::of), &mut writer, |report| reports.push(report.clone())).unwrap();
+        reports
+    }
+
     #[test]
     fn a_damaged_frame_is_reported_and_the_others_are_played_alike() {
         let (folder, out) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
         let frames = record(folder.path());
-        let config = Config { width: 64, min_disparity: 0, num_disparities: 16 };
-        let mut player = Player::new(MethodKind::Lite, config, 24, 0, out.path()).unwrap();
-        let mut seen = 0;
-        let reports = player.play(&frames, |_| seen += 1).unwrap();
-        assert_eq!((seen, reports.len()), (3, 3));
+        let reports = play(&frames, 24, out.path());
+        assert_eq!(reports.len(), 3);
         assert_eq!([0, 1, 2].map(|i| reports[i].is_ok()), [true, false, true]);
         assert_eq!((reports[0].pixels, reports[0].rows), (Some(64 * 24), Some(24)));
         let file = |name: &str| fs::read(out.path().join(name));
         assert_eq!(file("a.pfm").unwrap(), file("c.pfm").unwrap());
-        assert!(file("c_picture.png").is_ok() && file("b, cut.pfm").is_err());
+        assert_eq!(file("a_picture.png").unwrap(), file("c_picture.png").unwrap());
+        assert!(file("b, cut.pfm").is_err());
 
-        let csv = String::from_utf8(encode_csv(&reports).unwrap()).unwrap();
+        let csv = String::from_utf8(file("frames.csv").unwrap()).unwrap();
         let lines: Vec<&str> = csv.lines().collect();
         assert_eq!(lines.len(), 4);
         assert_eq!(
             lines[0],
-            "frame,file,status,density,median_disparity_px,noise,pixels,answered,rows,rows_unknown,milliseconds,error"
+            "frame,file,status,density,median_disparity_px,noise,pixels,answered,rows,rows_unknown,milliseconds,input,mismatch_percent,share_sure,error"
         );
         assert!(lines[1].starts_with("0,a.png,ok,") && lines[1].ends_with(','), "{}", lines[1]);
-        assert!(lines[2].starts_with("1,\"b, cut.png\",damaged,,,,,,,,,"), "{}", lines[2]);
+        assert!(lines[2].starts_with("1,\"b, cut.png\",damaged,,,,,,,,,,,,"), "{}", lines[2]);
     }
 
     #[test]
     fn another_size_is_damage() {
         let (folder, out) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
-        let frames = record(folder.path());
-        let config = Config { width: 64, min_disparity: 0, num_disparities: 16 };
-        let mut player = Player::new(MethodKind::Lite, config, 25, 0, out.path()).unwrap();
-        let reports = player.play(&frames, |_| ()).unwrap();
+        let reports = play(&record(folder.path()), 25, out.path());
         assert!(reports.iter().all(|report| !report.is_ok()));
         assert!(reports[2].error.as_ref().unwrap().contains("64x24 px"), "{:?}", reports[2].error);
-        assert_eq!(fs::read_dir(out.path()).unwrap().count(), 0);
+        assert_eq!(fs::read_dir(out.path()).unwrap().count(), 1, "the table alone");
+    }
+
+    #[test]
+    fn what_cannot_be_written_ends_the_playing() {
+        let (folder, out) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+        let frames = record(folder.path());
+        fs::create_dir_all(out.path().join("a.pfm")).unwrap();
+        let config = Config { width: 64, min_disparity: 0, num_disparities: 16 };
+        let mut player = Player::new(MethodKind::Lite, config, 24, 0).unwrap();
+        let (folder, kinds) = (out.path().to_owned(), vec![MapKind::Disparity]);
+        let files = Files { folder, kinds, geometry: None, max_depth_m: None, range: None, first_second: 1 };
+        let mut writer = FrameWriter::begin(files).unwrap();
+        let endless = frames.iter().cycle().map(Taken::of);
+        let error = player.play(endless, &mut writer, |_| ()).unwrap_err().to_string();
+        assert!(error.contains("a.pfm"), "{error}");
     }
 }

@@ -10,7 +10,7 @@ use serde::Serialize;
 
 use crate::score::baselines::Baselines;
 use crate::score::degrade::Degradation;
-use crate::score::evaluation::{Evaluator, Evidence, Mean};
+use crate::score::evaluation::{Evaluator, Mean, Source};
 use crate::score::report::{self, format_figure};
 use crate::score::scene::Scene;
 use crate::score::{MapScore, Score};
@@ -113,8 +113,7 @@ impl Ablation<'_> {
         let level = self.baselines.map(|baselines| baselines.level(widest, &degradation));
         let baselines = self.baselines.zip(level.as_ref());
         let build = |config| variant.build(config);
-        let evidence = Evidence::default();
-        let evaluator = Evaluator { build: &build, degradation, baselines, apart: &[], maps: None, evidence };
+        let evaluator = Evaluator { degradation, baselines, ..Evaluator::of(Source::Method(&build)) };
         let (scores, counts) = counter::count(|| evaluator.run(self.scenes, done))?;
         let scores = scores?;
         let MapScore { all: mean, default_answers, .. } = Mean::of(scores.iter()).context("no scene")?.score;

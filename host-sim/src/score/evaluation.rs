@@ -4,34 +4,54 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use anyhow::{Context, Result};
-use haarline::{Config, ConfigError, StereoMethod};
+use haarline::{Config, ConfigError, Offset, StereoMethod};
 use rayon::prelude::*;
 
-use crate::output::picture::{self, ColourRange};
+use crate::output::colour_range::ColourRange;
+use crate::output::picture;
 use crate::score::baselines::{self, Baselines, Level};
-use crate::score::degrade::Degradation;
+use crate::score::degrade::{Degradation, replace_right};
+use crate::score::map_file;
 use crate::score::obstacle_score::ObstacleScore;
 use crate::score::scene::{Region, Scene};
 use crate::score::sure::{SURE, SureScore};
 use crate::score::{MapScore, Score};
 use crate::stereo::disparity_map::DisparityMap;
-use crate::{Geometry, output, stereo::pipeline};
+use crate::stereo::frame_check::FrameCheck;
+use crate::stereo::{pipeline, smoothing};
+use crate::{Frame, Geometry, StereoPair, output};
 
 /// Builds an instance of a method.
 pub type Build<'a> = dyn Fn(Config) -> Result<Box<dyn StereoMethod + Send>, ConfigError> + Sync + 'a;
 
+/// Where the maps come from that are scored.
+pub enum Source<'a> {
+    /// A method makes them.
+    Method(&'a Build<'a>),
+    /// They are read from a folder ([`map_file`]).
+    Maps(&'a Path),
+}
+
 /// What is to be done with every scene.
 pub struct Evaluator<'a> {
-    /// Builds the method to score.
-    pub build: &'a Build<'a>,
+    /// Where the maps come from.
+    pub source: Source<'a>,
+    /// Another scene's right view, which takes the place of every scene's own.
+    pub right_from: Option<&'a Frame>,
     /// What happens to the frames before.
     pub degradation: Degradation,
+    /// Whether the frames are smoothed then, as our front end does ([`smoothing`]).
+    pub smooth: bool,
+    /// Whether the holes of the maps are filled.
+    pub fill: bool,
     /// OpenCV's figures, and which of them.
     pub baselines: Option<(&'a Baselines, &'a Level)>,
     /// Regions that are scored apart, besides [`Region::Scored`].
     pub apart: &'a [Region],
     /// Where the maps go, if anywhere.
     pub maps: Option<&'a Path>,
+    /// Where the frames go as the method gets them, if anywhere.
+    pub views: Option<&'a Path>,
     /// What is asked of the evidence.
     pub evidence: Evidence,
 }
@@ -45,10 +65,9 @@ pub struct Evidence {
     pub obstacles: bool,
 }
 
-impl Default for Evidence {
-    fn default() -> Self {
-        Self { sure_from: SURE, obstacles: false }
-    }
+impl Evidence {
+    /// The usual confidence, no obstacles.
+    pub const USUAL: Self = Self { sure_from: SURE, obstacles: false };
 }
 
 /// A scene's score, and those of OpenCV on it.
@@ -64,6 +83,8 @@ pub struct SceneScore {
     pub apart: Vec<(Region, Option<MapScore>)>,
     /// What its sure answers are worth.
     pub sure: SureScore,
+    /// What the frame is as a whole.
+    pub check: Option<FrameCheck>,
     /// Obstacles in its map and in the truth's, if they were looked for.
     pub obstacles: Option<ObstacleScore>,
     /// OpenCV's, in the order of [`baselines::METHODS`]; `None` where the file has none.
@@ -121,7 +142,24 @@ pub fn load(folders: &[impl AsRef<Path> + Sync]) -> Result<Vec<Scene>> {
     scenes.into_iter().collect()
 }
 
-impl Evaluator<'_> {
+impl<'a> Evaluator<'a> {
+    /// Scores the maps of `source` as they are, of frames as they are.
+    #[must_use]
+    pub const fn of(source: Source<'a>) -> Self {
+        Self {
+            source,
+            right_from: None,
+            degradation: Degradation::NONE,
+            smooth: false,
+            fill: false,
+            baselines: None,
+            apart: &[],
+            maps: None,
+            views: None,
+            evidence: Evidence::USUAL,
+        }
+    }
+
     /// Scores every scene, in their order; `done` is called after each.
     ///
     /// # Errors
@@ -138,10 +176,15 @@ impl Evaluator<'_> {
 
     /// Degrades, matches and scores one scene, and writes its map.
     fn score(&self, scene: &Scene) -> Result<SceneScore> {
-        let mut pair = scene.pair.clone();
-        self.degradation.apply(&scene.name, &mut pair);
-        let mut method = (self.build)(scene.config())?;
-        let map = pipeline::run(&mut *method, &pair)?.map;
+        let pair = self.views_of(scene)?;
+        let mut map = match self.source {
+            Source::Maps(folder) => map_file::read(folder, scene)?,
+            Source::Method(build) => pipeline::run(&mut *build(scene.config())?, &pair)?.map,
+        };
+        let check = FrameCheck::of(&pair, Offset::default(), &map);
+        if self.fill {
+            map.fill_holes();
+        }
         if let Some(folder) = self.maps {
             write_maps(folder, scene, &map)?;
         }
@@ -152,9 +195,29 @@ impl Evaluator<'_> {
         let apart = self.apart.iter().map(|&region| (region, score_in(region, None))).collect();
         let Evidence { sure_from, obstacles } = self.evidence;
         let sure = SureScore::of(&map, &scene.truth, sure_from);
-        let obstacles = obstacles.then(|| ObstacleScore::of(scene, &map, sure_from)).transpose()?;
+        let obstacles = obstacles.then(|| ObstacleScore::of(scene, &map, sure_from, check.input_ok)).transpose()?;
         let (name, family) = (scene.name.clone(), scene.meta.family.clone());
-        Ok(SceneScore { name, family, score, apart, sure, obstacles, references })
+        Ok(SceneScore { name, family, score, apart, sure, check: Some(check), obstacles, references })
+    }
+
+    /// The frames of a scene as the method gets them.
+    fn views_of(&self, scene: &Scene) -> Result<StereoPair> {
+        let mut pair = scene.pair.clone();
+        if let Some(other) = self.right_from {
+            replace_right(&mut pair, other);
+        }
+        self.degradation.apply(&scene.name, &mut pair);
+        if self.smooth {
+            smoothing::smooth(&mut pair);
+        }
+        if let Some(folder) = self.views {
+            let folder = folder.join(&scene.name);
+            output::prepare_folder("--write-views", &folder)?;
+            for (name, view) in [("left.png", &pair.left), ("right.png", &pair.right)] {
+                output::write(&folder.join(name), &output::encode_grey_png(&view.luma, [view.width, view.height])?)?;
+            }
+        }
+        Ok(pair)
     }
 
     fn references(&self, scene: &Scene) -> [Option<Score>; baselines::METHODS.len()] {
@@ -176,7 +239,7 @@ fn write_maps(folder: &Path, scene: &Scene, map: &DisparityMap) -> Result<()> {
     output::write(&file(".pfm"), &output::pfm::encode(map))?;
     let confidence = output::encode_grey_png(&map.confidence, [map.width, map.height])?;
     output::write(&file("_confidence.png"), &confidence)?;
-    output::write(&file("_picture.png"), &picture::encode(map, &range, geometry.as_ref())?)
+    output::write(&file("_picture.png"), &picture::encode(map, &range, geometry.as_ref(), None)?)
 }
 
 #[cfg(test)]
@@ -194,7 +257,7 @@ mod tests {
         let apart = vec![(Region::Occluded, reference.map(score)), (Region::LeftBand, None)];
         let references = [reference.map(all), None, None];
         let (name, family, sure) = (String::new(), family.to_owned(), SureScore::default());
-        SceneScore { name, family, score: score(tot2), apart, sure, obstacles: None, references }
+        SceneScore { name, family, score: score(tot2), apart, sure, check: None, obstacles: None, references }
     }
 
     #[test]

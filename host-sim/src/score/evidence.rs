@@ -55,7 +55,17 @@ pub(crate) fn sure_text(scenes: &[SceneScore]) -> String {
         add("mean".to_owned(), &json.mean);
         add("worst".to_owned(), &json.worst);
     }
-    table.trim_fmt() + SURE_LEGEND
+    let input: Vec<String> = count_input(scenes).iter().map(|(what, count)| format!("{count} {what}")).collect();
+    table.trim_fmt() + SURE_LEGEND + &format!("frames as a whole: {}\n", input.join(", "))
+}
+
+/// How many frames are what as a whole.
+pub(crate) fn count_input(scenes: &[SceneScore]) -> BTreeMap<&'static str, usize> {
+    let mut counts = BTreeMap::new();
+    for check in scenes.iter().filter_map(|scene| scene.check) {
+        *counts.entry(check.input.name()).or_default() += 1;
+    }
+    counts
 }
 
 const SURE_LEGEND: &str = "
@@ -89,10 +99,13 @@ pub(crate) fn obstacle_text(scenes: &[SceneScore]) -> String {
         add(format!("  {}", range.name()), counts);
     }
     add("nearest of each sector".to_owned(), &sum.sectors);
-    let ObstacleScore { frames, sparse, phantom_frames, phantom_sectors, .. } = sum;
+    let ObstacleScore { frames, silent, sparse, phantom_frames, phantom_sectors, .. } = sum;
     let mut text = format!("\n{}\n", table.trim_fmt());
     text += &format!("phantoms, nearer than all that is there less 15 %: in {phantom_frames} of {frames} frames");
     text += &format!(", {phantom_sectors} sectors\n");
+    if silent > 0 {
+        text += &format!("frames that do not match as a whole, of which nothing is told: {silent}\n");
+    }
     if sparse > 0 {
         text += &format!("not judged, since the truth is known in less than half of the pixels: {sparse}\n");
     }

@@ -11,6 +11,7 @@ pub mod confidence_classes;
 pub mod degrade;
 pub mod evaluation;
 pub(crate) mod evidence;
+pub mod map_file;
 pub mod obstacle_score;
 pub mod report;
 pub mod scene;

@@ -65,6 +65,8 @@ impl Counts {
 pub struct ObstacleScore {
     /// Scenes judged.
     pub frames: u64,
+    /// Of these, frames of which nothing is told, since the input is not as it should be.
+    pub silent: u64,
     /// Scenes whose truth is too sparse to be judged.
     pub sparse: u64,
     /// The nearest obstacle of each frame.
@@ -120,14 +122,14 @@ impl Range {
 }
 
 impl ObstacleScore {
-    /// Looks for obstacles in `map` and in the truth.
+    /// Looks for obstacles in `map` and in the truth. Of a frame that is not `input_ok` nothing is told.
     ///
     /// # Errors
     /// If the scene's focal length and baseline are out of a rig's range.
     ///
     /// # Panics
     /// If map and truth differ in size.
-    pub fn of(scene: &Scene, map: &DisparityMap, sure_from: u8) -> Result<Self> {
+    pub fn of(scene: &Scene, map: &DisparityMap, sure_from: u8, input_ok: bool) -> Result<Self> {
         let truth = &scene.truth;
         assert!(truth.fits(map), "map and truth differ in size");
         let known = truth.disparity_q8.iter().filter(|q8| **q8 != 0).count();
@@ -138,7 +140,7 @@ impl ObstacleScore {
         let settings = Settings { min_confidence: sure_from, ..Settings::DEFAULT };
         let mut finder = ObstacleFinder::with_settings(&rig, settings)?;
         let mm = |found: Vec<Option<u32>>| found.into_iter().map(|mm| mm.map(f64::from)).collect::<Vec<_>>();
-        let told = mm(finder.find(map));
+        let told = if input_ok { mm(finder.find(map)) } else { vec![None; finder.setup().sectors.count] };
         let mut visible = truth.to_map();
         for (index, seen) in truth.seen_by_both.iter().enumerate() {
             if !seen {
@@ -148,7 +150,7 @@ impl ObstacleScore {
         }
         let there = mm(finder.find(&visible));
         let real = nearest_real(scene, &rig, there.len());
-        let mut score = Self { frames: 1, ..Self::default() };
+        let mut score = Self { frames: 1, silent: u64::from(!input_ok), ..Self::default() };
         score.judge(&told, &there, |mm| Range::of(&rig, scene.rig.is_some(), mm));
         score.count_phantoms(&told, &real);
         Ok(score)
@@ -182,6 +184,7 @@ impl ObstacleScore {
     /// Adds those of another scene.
     pub fn add(&mut self, other: &Self) {
         self.frames += other.frames;
+        self.silent += other.silent;
         self.sparse += other.sparse;
         self.nearest.add(&other.nearest);
         self.sectors.add(&other.sectors);

@@ -7,13 +7,14 @@ use comfy_table::{CellAlignment, ContentArrangement, Row, Table};
 use serde::Serialize;
 
 use crate::score::baselines::{Baselines, Level, METHODS};
-use crate::score::degrade::Degradation;
+use crate::score::degrade::{Degradation, Misalignment};
 use crate::score::evaluation::{Mean, SceneScore};
 use crate::score::evidence::{self, SureJson};
 use crate::score::obstacle_score::ObstacleScore;
 use crate::score::scene::Region;
 use crate::score::sure::SureScore;
 use crate::score::{LEAST_DEFAULT_CONFIDENCE, MapScore, Score};
+use crate::stereo::frame_check::FrameCheck;
 
 /// Everything that an evaluation found.
 #[derive(Debug)]
@@ -22,8 +23,8 @@ pub struct Report<'a> {
     pub method: &'a str,
     /// Where the scenes are.
     pub folder: &'a Path,
-    /// What was done to the frames.
-    pub degradation: Degradation,
+    /// What was done to the frames and to the maps.
+    pub treatment: Treatment,
     /// OpenCV's figures, and which of them.
     pub baselines: Option<(&'a Baselines, &'a Level)>,
     /// The scenes, sorted by name.
@@ -32,6 +33,31 @@ pub struct Report<'a> {
     pub mean: &'a Mean,
     /// Whether the text tells what the sure answers are worth; the JSON always does.
     pub shows_sure: bool,
+}
+
+/// What was done to the frames before the method got them, and to its maps.
+#[derive(Debug, Clone, Serialize)]
+pub struct Treatment {
+    /// How the frames were made worse.
+    #[serde(flatten)]
+    pub degradation: Degradation,
+    /// Whose right view took the place of each scene's own.
+    pub right_from: Option<String>,
+    /// Whether the frames were smoothed as by our front end.
+    pub smooth: bool,
+    /// Whether holes were filled.
+    pub fill: bool,
+}
+
+impl Treatment {
+    /// In words.
+    fn describe(&self) -> String {
+        let mut words = vec![describe(&self.degradation)];
+        words.extend(self.right_from.as_ref().map(|other| format!("right views of {other}")));
+        words.extend(self.smooth.then(|| "smoothed".to_owned()));
+        words.extend(self.fill.then(|| "holes filled".to_owned()));
+        words.join(", ")
+    }
 }
 
 /// Heads of [`Score::FIGURES`] in a table.
@@ -59,7 +85,7 @@ impl Report<'_> {
             "{} on {}, {}\n{}\n\n{}\n",
             self.method,
             scenes_of(self.scenes.len(), self.folder),
-            describe(&self.degradation),
+            self.treatment.describe(),
             self.describe_baselines(),
             self.scene_table()
         );
@@ -121,8 +147,8 @@ impl Report<'_> {
         let scene = |scene: &SceneScore| {
             let apart = scene.apart.iter().map(|(region, score)| (key_of_region(*region), score.clone()));
             let score = ScoreJson { score: scene.score.clone(), apart: apart.collect() };
-            let SceneScore { sure, obstacles, family, .. } = scene.clone();
-            (scene.name.clone(), SceneJson { score, sure, obstacles, family })
+            let SceneScore { sure, check, obstacles, family, .. } = scene.clone();
+            (scene.name.clone(), SceneJson { score, sure, check, obstacles, family })
         };
         let mean = |mean: &Mean| {
             let apart = mean.apart.iter().map(|(region, score, _)| (key_of_region(*region), Some(score.clone())));
@@ -130,15 +156,10 @@ impl Report<'_> {
         };
         let json = ReportJson {
             method: self.method,
-            noise: self.degradation.noise,
-            shot_noise: self.degradation.shot_noise,
-            pattern_noise: self.degradation.pattern_noise,
-            gain: self.degradation.gain,
-            offset: self.degradation.offset,
-            both_gain: self.degradation.both_gain,
-            seed: self.degradation.seed,
+            treatment: &self.treatment,
             mean: mean(self.mean),
             sure: SureJson::of(self.scenes),
+            input: evidence::count_input(self.scenes),
             obstacles: evidence::sum_of_obstacles(self.scenes),
             families: Mean::by_family(self.scenes).into_iter().map(|(family, of)| (family, mean(&of))).collect(),
             scenes: self.scenes.iter().map(scene).collect(),
@@ -169,15 +190,11 @@ impl Report<'_> {
 #[derive(Serialize)]
 struct ReportJson<'a> {
     method: &'a str,
-    noise: f64,
-    shot_noise: f64,
-    pattern_noise: f64,
-    gain: f64,
-    offset: f64,
-    both_gain: f64,
-    seed: u64,
+    #[serde(flatten)]
+    treatment: &'a Treatment,
     mean: ScoreJson,
     sure: SureJson,
+    input: BTreeMap<&'static str, usize>,
     obstacles: Option<ObstacleScore>,
     families: BTreeMap<&'a str, ScoreJson>,
     scenes: BTreeMap<String, SceneJson>,
@@ -199,6 +216,8 @@ struct SceneJson {
     score: ScoreJson,
     #[serde(flatten)]
     sure: SureScore,
+    #[serde(flatten)]
+    check: Option<FrameCheck>,
     obstacles: Option<ObstacleScore>,
     family: String,
 }
@@ -275,8 +294,17 @@ fn key_of_region(region: Region) -> &'static str {
 /// What was done to the frames, in words.
 #[must_use]
 pub fn describe(degradation: &Degradation) -> String {
-    let Degradation { noise, shot_noise, pattern_noise, gain, offset, both_gain, seed } = *degradation;
+    let Degradation { noise, shot_noise, pattern_noise, gain, offset, both_gain, misalignment, .. } = *degradation;
+    let Degradation { bits, swap, random, seed, .. } = *degradation;
     let mut words = Vec::new();
+    words.extend(random.then(|| format!("random views (seed {seed})")));
+    words.extend(swap.then(|| "views swapped".to_owned()));
+    let Misalignment { row_offset, roll, row_scale } = misalignment;
+    for (what, value, usual) in
+        [("rows lower by", row_offset, 0.0), ("turned by degrees", roll, 0.0), ("stretched down by", row_scale, 1.0)]
+    {
+        words.extend((value != usual).then(|| format!("right view {what} {value}")));
+    }
     if (gain, offset) != (1.0, 0.0) {
         let shift = match offset {
             0.0 => String::new(),
@@ -293,6 +321,7 @@ pub fn describe(degradation: &Degradation) -> String {
             words.push(format!("{kind} {sigma} (seed {seed})"));
         }
     }
+    words.extend((bits < 8).then(|| format!("{bits} bits")));
     if words.is_empty() { "clean frames".to_owned() } else { words.join(", ") }
 }
 

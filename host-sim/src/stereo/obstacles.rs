@@ -2,11 +2,14 @@
 
 use anyhow::{Context, Result};
 use haarline::obstacle::{MAX_SECTORS, Obstacles, Settings};
+use haarline::setup::Reach;
 use haarline::{Config, DisparityRow, Setup, blocks_for};
 use haarline_rig::Description;
-use haarline_telemetry::{Link, State};
+use haarline_telemetry::{Link, Sector, State};
+use serde::Serialize;
 
 use crate::DisparityMap;
+use crate::stereo::frame_check::{FrameCheck, Trust};
 
 /// MAVLink system that the messages come from: an autopilot's, unless it was set otherwise.
 const SYSTEM: u8 = 1;
@@ -18,6 +21,8 @@ pub struct FrameObstacles {
     pub frame: usize,
     /// Distance over the ground in each sector, mm; none is unknown. Empty where there is no map.
     pub nearest_mm: Vec<Option<u32>>,
+    /// Whether each sector is measured and free; empty where that was not asked for.
+    pub free: Vec<bool>,
 }
 
 /// Looks for obstacles in maps of one rig.
@@ -27,6 +32,7 @@ pub struct ObstacleFinder {
     frame_rate_hz: u16,
     bearings_deg: Vec<i16>,
     finder: Obstacles<MAX_SECTORS, { blocks_for(Config::MAX_WIDTH) }>,
+    trust: Trust,
 }
 
 impl ObstacleFinder {
@@ -46,7 +52,24 @@ impl ObstacleFinder {
         let (plan, setup) = (description.plan()?, description.setup::<MAX_SECTORS>()?);
         let size = [setup.config.width, setup.height];
         let finder = Obstacles::new(size, setup.rig, setup.mounting, setup.sectors, settings)?;
-        Ok(Self { setup, frame_rate_hz: plan.frame_rate_hz, bearings_deg: plan.bearings_deg().collect(), finder })
+        Ok(Self {
+            setup,
+            frame_rate_hz: plan.frame_rate_hz,
+            bearings_deg: plan.bearings_deg().collect(),
+            finder,
+            trust: Trust::default(),
+        })
+    }
+
+    /// The same that looks for free sectors, too, and tells of nothing that is farther than `free_beyond_mm`.
+    ///
+    /// # Errors
+    /// As [`ObstacleFinder::new`].
+    pub fn with_free_beyond(description: &Description, free_beyond_mm: u32) -> Result<Self> {
+        let mut finder = Self::with_settings(description, Settings { free_beyond_mm, ..Settings::DEFAULT })?;
+        let reach = &mut finder.setup.reach;
+        reach.farthest_cm = u16::try_from(free_beyond_mm / 10).unwrap_or(u16::MAX).min(reach.farthest_cm);
+        Ok(finder)
     }
 
     /// Distance over the ground to the nearest obstacle of each sector, mm.
@@ -59,45 +82,127 @@ impl ObstacleFinder {
         self.finder.nearest_mm().collect()
     }
 
+    /// The same in the map of the next frame of a recording, which was checked: as long as the input is not as it should
+    /// be ([`Trust`]) nothing is told, and of a frame that does not match never that a sector is free.
+    pub fn find_checked(&mut self, frame: usize, map: &DisparityMap, check: &FrameCheck) -> FrameObstacles {
+        if self.trust.take(check.input) {
+            let nearest_mm = self.find(map);
+            FrameObstacles { frame, nearest_mm, free: self.finder.free().map(|free| free && check.input_ok).collect() }
+        } else {
+            let sectors = self.setup.sectors.count;
+            FrameObstacles { frame, nearest_mm: vec![None; sectors], free: vec![false; sectors] }
+        }
+    }
+
     /// The rig in integers.
     #[must_use]
     pub const fn setup(&self) -> &Setup<MAX_SECTORS> {
         &self.setup
     }
 
-    /// The content of `obstacles.csv`: a line a frame, a column a sector, headed by the bearing of its middle
-    /// in degrees clockwise from straight ahead; whole cm, empty where it is unknown.
+    /// The first line of `obstacles.csv`, a line a frame, a column a sector: the bearings of the sectors' middles,
+    /// degrees clockwise from straight ahead.
+    #[must_use]
+    pub fn heads(&self) -> Vec<String> {
+        ["frame".to_owned()].into_iter().chain(self.bearings_deg.iter().map(i16::to_string)).collect()
+    }
+
+    /// The content of `obstacles.csv`: [`ObstacleFinder::heads`] and the [`FrameObstacles::record`] of each frame.
     ///
     /// # Errors
     /// Never for distances of this finder.
     pub fn encode_csv(&self, frames: &[FrameObstacles]) -> Result<Vec<u8>> {
         let mut writer = csv::Writer::from_writer(Vec::new());
-        let bearings = self.bearings_deg.iter().map(i16::to_string);
-        writer.write_record(["frame".to_owned()].into_iter().chain(bearings))?;
-        for FrameObstacles { frame, nearest_mm } in frames {
-            let cm = |sector: usize| nearest_mm.get(sector).copied().flatten().map(|mm| (mm / 10).to_string());
-            let fields = (0..self.bearings_deg.len()).map(|sector| cm(sector).unwrap_or_default());
-            writer.write_record([frame.to_string()].into_iter().chain(fields))?;
+        writer.write_record(self.heads())?;
+        for frame in frames {
+            writer.write_record(frame.record(self.bearings_deg.len()))?;
         }
         writer.into_inner().context("obstacles.csv")
     }
 
-    /// What a board would send to an autopilot: `OBSTACLE_DISTANCE` of each frame that has a map, as if they came
-    /// at the rig's frame rate, and a `HEARTBEAT` each second.
+    /// What to tell of a frame in a line.
     #[must_use]
-    pub fn encode_mavlink(&self, frames: &[FrameObstacles]) -> Vec<u8> {
-        let mut link = Link::new(SYSTEM);
+    pub fn summary(&self, frame: &FrameObstacles) -> ObstacleSummary {
+        let known = || frame.nearest_mm.iter().zip(&self.bearings_deg).filter_map(|(mm, &deg)| Some(((*mm)?, deg)));
+        let nearest = known().min();
+        ObstacleSummary {
+            obstacle_sectors: known().count(),
+            nearest_obstacle_mm: nearest.map(|(mm, _)| mm),
+            nearest_obstacle_deg: nearest.map(|(_, deg)| deg),
+        }
+    }
+
+    /// What a board would send to an autopilot, from the first frame on.
+    #[must_use]
+    pub fn feed(&self) -> MavlinkFeed {
+        let Self { setup, frame_rate_hz, .. } = self;
+        MavlinkFeed { link: Link::new(SYSTEM), reach: setup.reach, frame_rate_hz: *frame_rate_hz, frames: 0 }
+    }
+}
+
+/// The obstacles of a frame in a line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct ObstacleSummary {
+    /// Sectors in which an obstacle was measured. Of the others nothing is known.
+    pub obstacle_sectors: usize,
+    /// Distance of the nearest one over the ground.
+    pub nearest_obstacle_mm: Option<u32>,
+    /// Bearing of its sector, degrees clockwise from straight ahead.
+    pub nearest_obstacle_deg: Option<i16>,
+}
+
+impl ObstacleSummary {
+    /// In words.
+    #[must_use]
+    pub fn words(&self) -> String {
+        match (self.nearest_obstacle_mm, self.nearest_obstacle_deg) {
+            (Some(mm), Some(deg)) => {
+                format!("nearest obstacle {:.2} m at {deg} degrees", f64::from(mm) / 1000.0)
+            }
+            _ => "no obstacle measured".to_owned(),
+        }
+    }
+}
+
+impl FrameObstacles {
+    /// A line of `obstacles.csv`: the frame, and of each of `sectors` whole cm, empty where it is unknown.
+    #[must_use]
+    pub fn record(&self, sectors: usize) -> Vec<String> {
+        let cm = |sector: usize| self.nearest_mm.get(sector).copied().flatten().map(|mm| (mm / 10).to_string());
+        let fields = (0..sectors).map(|sector| cm(sector).unwrap_or_default());
+        [self.frame.to_string()].into_iter().chain(fields).collect()
+    }
+}
+
+/// What a board would send to an autopilot: `OBSTACLE_DISTANCE` of each frame that has a map, as if they came at
+/// the rig's frame rate, and a `HEARTBEAT` each second.
+#[derive(Debug, Clone)]
+pub struct MavlinkFeed {
+    link: Link,
+    reach: Reach,
+    frame_rate_hz: u16,
+    /// Frames so far.
+    frames: u64,
+}
+
+impl MavlinkFeed {
+    /// The messages of the next frame.
+    #[must_use]
+    pub fn next(&mut self, FrameObstacles { frame, nearest_mm, free }: &FrameObstacles) -> Vec<u8> {
         let mut bytes = Vec::new();
-        for (index, FrameObstacles { frame, nearest_mm }) in frames.iter().enumerate() {
-            if index % usize::from(self.frame_rate_hz) == 0 {
-                bytes.extend_from_slice(link.heartbeat(State::Active).as_bytes());
-            }
-            if !nearest_mm.is_empty() {
-                let time_us = *frame as u64 * (1_000_000 / u64::from(self.frame_rate_hz));
-                let nearest_mm = nearest_mm.iter().copied();
-                let message = link.obstacle_distance(time_us, &self.setup.reach, nearest_mm);
-                bytes.extend_from_slice(message.as_bytes());
-            }
+        if self.frames.is_multiple_of(self.frame_rate_hz.into()) {
+            bytes.extend_from_slice(self.link.heartbeat(State::Active).as_bytes());
+        }
+        self.frames += 1;
+        if !nearest_mm.is_empty() {
+            let time_us = *frame as u64 * (1_000_000 / u64::from(self.frame_rate_hz));
+            let told = |(sector, &mm): (usize, &Option<u32>)| match free.get(sector) {
+                Some(true) => Sector::Free,
+                _ => mm.into(),
+            };
+            let sectors = nearest_mm.iter().enumerate().map(told);
+            let message = self.link.obstacle_distance(time_us, &self.reach, sectors);
+            bytes.extend_from_slice(message.as_bytes());
         }
         bytes
     }
@@ -140,7 +245,9 @@ mod tests {
     fn the_table_has_a_line_a_frame_and_a_column_a_sector() {
         let mut nearest_mm = vec![None; 17];
         (nearest_mm[0], nearest_mm[8]) = (Some(12_345), Some(1509));
-        let frames = [FrameObstacles { frame: 3, nearest_mm }, FrameObstacles { frame: 4, nearest_mm: Vec::new() }];
+        let free = Vec::new();
+        let none = FrameObstacles { frame: 4, nearest_mm: Vec::new(), free: Vec::new() };
+        let frames = [FrameObstacles { frame: 3, nearest_mm, free }, none];
         let csv = String::from_utf8(finder().encode_csv(&frames).unwrap()).unwrap();
         let lines: Vec<&str> = csv.lines().collect();
         assert_eq!(lines[0], "frame,-40,-35,-30,-25,-20,-15,-10,-5,0,5,10,15,20,25,30,35,40");

@@ -10,6 +10,7 @@ mod blur;
 pub mod cases;
 pub mod folder;
 mod presets;
+pub mod regions;
 mod texture;
 
 use haarline::Config;
@@ -18,6 +19,7 @@ use crate::score::degrade::Degradation;
 use crate::score::error_q8;
 use crate::score::scene::Truth;
 use crate::{DisparityMap, Frame, StereoPair};
+pub use presets::YARD;
 pub use texture::{Bars, Texture};
 
 /// Samples of a pixel, across and down: edges mix as on a sensor.
@@ -134,6 +136,8 @@ pub struct Rendering {
     pub truth: Truth,
     /// Which pixels show a layer without texture.
     pub is_blank: Vec<bool>,
+    /// The layer that each pixel shows, by its place in the scene's list.
+    pub layer: Vec<usize>,
 }
 
 /// What became of the scored pixels without texture.
@@ -164,8 +168,9 @@ impl Scene {
         });
         let mut pair = StereoPair { left, right };
         Degradation { noise: self.noise, seed: self.seed, ..Degradation::default() }.apply("synthetic", &mut pair);
-        let (truth, is_blank) = self.truth();
-        Rendering { pair, truth, is_blank }
+        let (truth, layer) = self.truth();
+        let is_blank = layer.iter().map(|&layer| self.layers[layer].texture.is_blank()).collect();
+        Rendering { pair, truth, is_blank, layer }
     }
 
     /// A view; `locate` tells where a layer's point in this view is in the left one, and how near. The blur
@@ -203,20 +208,20 @@ impl Scene {
         nearest
     }
 
-    fn truth(&self) -> (Truth, Vec<bool>) {
+    /// The truth, and the layer that each pixel shows.
+    fn truth(&self) -> (Truth, Vec<usize>) {
         let pixels = self.width * self.height;
-        let (mut disparity_q8, mut seen_by_both, mut is_blank) =
-            (vec![0; pixels], vec![false; pixels], vec![false; pixels]);
+        let (mut disparity_q8, mut seen_by_both, mut layers) = (vec![0; pixels], vec![false; pixels], vec![0; pixels]);
         for index in 0..pixels {
             let (x, y) = ((index % self.width) as f64, (index / self.width) as f64);
             let Some((layer, _)) = self.nearest(x, y, |layer, x, y| (x, layer.disparity.at(x, y))) else { continue };
             let disparity = self.layers[layer].disparity.at(x, y);
             disparity_q8[index] = (disparity * 256.0).round().clamp(1.0, 65535.0) as u16;
             seen_by_both[index] = self.is_seen_right(layer, x - disparity, y);
-            is_blank[index] = self.layers[layer].texture.is_blank();
+            layers[index] = layer;
         }
         let first_column = usize::from(self.num_disparities);
-        (Truth { width: self.width, disparity_q8, seen_by_both, first_column }, is_blank)
+        (Truth { width: self.width, disparity_q8, seen_by_both, first_column }, layers)
     }
 
     /// Whether the right view shows `layer` in its column `right`.

@@ -1,6 +1,9 @@
 //! Scenes with a name: a room, and what a rover sees.
 
-use super::{Layer, Scene, Shape, Slope, Texture};
+use super::{Bars, Layer, Scene, Shape, Slope, Texture};
+
+/// What the layers of [`Scene::yard`] are, in their order.
+pub const YARD: [&str; 6] = ["back", "floor", "fence", "blank wall", "dark corner", "post"];
 
 impl Scene {
     /// A room: a textured back, a slanted side with a thin post before it, a blank wall from the back to the
@@ -22,6 +25,26 @@ impl Scene {
             layer(Shape::Disc { centre: [104.0, 192.0], radius: 27.0 }, facing(36.7), Texture::new(6, 190.0, 64.0)),
         ];
         Self { width: 320, height: 240, num_disparities: 48, layers, blur: 0.0, noise: 1.5, seed }
+    }
+
+    /// What confuses a pair of cameras, before a textured back and on a floor: a fence of equal bars, a wall without
+    /// texture, a dark corner, and a post that hides a strip of all of them from the right view. The layers are in the
+    /// order of [`YARD`].
+    #[must_use]
+    pub fn yard(seed: u64) -> Self {
+        let layer = |shape, disparity, texture| Layer { shape, disparity, texture };
+        let rectangle = |columns, rows| Shape::Rectangle { columns, rows };
+        let bars = Bars { period: 11.0, share: 0.45, edge: 1.5, depth: 120.0 };
+        let floor = Slope { at_origin: -9.0, per_column: 0.0, per_row: 0.14 };
+        let layers = vec![
+            layer(Shape::Everywhere, Slope::facing(5.4), Texture::new(0, 110.0, 70.0)),
+            layer(rectangle([-400.0, 720.0], [158.0, 400.0]), floor, Texture::new(1, 84.0, 70.0).scaled(1.3)),
+            layer(rectangle([30.0, 152.0], [16.0, 158.0]), Slope::facing(15.3), Texture::blank(205.0).with_bars(bars)),
+            layer(rectangle([180.0, 296.0], [-1.0, 116.0]), Slope::facing(11.6), Texture::blank(168.0)),
+            layer(rectangle([236.0, 720.0], [116.0, 400.0]), Slope::facing(22.8), Texture::new(2, 7.0, 5.0)),
+            layer(rectangle([140.0, 164.0], [60.0, 224.0]), Slope::facing(38.4), Texture::new(3, 130.0, 90.0)),
+        ];
+        Self { width: 320, height: 240, num_disparities: 48, layers, blur: 0.5, noise: 1.5, seed }
     }
 
     /// What a rover sees with the rig of [`haarline_rig::template`], 200 px and 60 mm, level and 300 mm over

@@ -10,6 +10,17 @@ use serde::Serialize;
 
 const TARGET: &str = "thumbv7em-none-eabihf";
 
+/// Names a built program for all runs, where `--elf` does not.
+const VARIABLE: &str = "HAARLINE_TWIN";
+
+/// The program that the environment names, or one that is built.
+///
+/// # Errors
+/// If none is named, and as [`build`].
+pub fn find() -> Result<PathBuf> {
+    env::var_os(VARIABLE).filter(|name| !name.is_empty()).map_or_else(build, |name| Ok(name.into()))
+}
+
 /// Builds the program in the workspace around the current folder and tells where it lies.
 ///
 /// # Errors
@@ -18,7 +29,11 @@ pub fn build() -> Result<PathBuf> {
     let here = env::current_dir().context("the current folder")?;
     let root = here.ancestors().find(|folder| folder.join("firmware/src/bin/twin/main.rs").is_file());
     let root = root.with_context(|| {
-        format!("{} is not in Haarline's workspace: go there, or name a built program by --elf", here.display())
+        format!(
+            "{} is not in Haarline's source folder, where the program for the emulated chip is built: go there, or build it \
+             there by `cargo twin` and name it by --elf or {VARIABLE} (target/{TARGET}/firmware/twin)",
+            here.display()
+        )
     })?;
     ensure!(
         has_target(root),

@@ -190,7 +190,7 @@ fn a_png_with_a_flipped_bit() {
 fn outputs_of_unknown_kind() {
     let bench = usual();
     for name in ["map", "map.txt", "map.jpg", "map.", ".pfm", "map.pfm.gz", "pfm"] {
-        bench.refuses(&format!("depth left.png right.png -o {name}"), &["-o", name, ".pfm, .png or .ply"]);
+        bench.refuses(&format!("depth left.png right.png -o {name}"), &["-o", name, ".pfm, .png, .npy or .ply"]);
     }
     for option in ["--picture", "--grey", "--confidence"] {
         for name in ["map", "map.jpg", "map.pfm"] {
@@ -537,7 +537,8 @@ fn a_read_only_output() {
 fn a_standard_output_that_takes_nothing() {
     let bench = bench_with_scenes();
     bench.write("left.png", bench.read("scenes/alcove/left.png"));
-    for line in ["depth left.png left.png", "depth left.png left.png --json", "eval scenes", "--help"] {
+    bench.write("right.png", bench.read("scenes/alcove/right.png"));
+    for line in ["depth left.png right.png", "depth left.png right.png --json", "eval scenes", "--help"] {
         let full = fs::File::options().write(true).open("/dev/full").unwrap();
         let outcome = bench.run_with(line.split(' '), &[], Stdio::from(full));
         assert_eq!(outcome.status, 2, "{line}: {outcome:?}");

@@ -80,3 +80,69 @@ fn a_post_on_the_ground_is_found_and_one_that_is_painted_over_is_missed() {
     let told = bench.succeeds("eval scenes --obstacles").stdout;
     assert!(told.contains("nearest of a frame") && told.contains("phantoms"), "{told}");
 }
+
+/// The views of a rendered plane, in place of a pair of one's own.
+fn plane(bench: &Bench) {
+    bench.succeeds("scene planes -o planes --only plane_00");
+}
+
+#[test]
+fn views_that_do_not_match_are_warned_of_once_and_right_ones_are_not() {
+    let bench = Bench::new();
+    plane(&bench);
+    let (left, right) = ("planes/plane_00/left.png", "planes/plane_00/right.png");
+    let summary = bench.succeeds(&format!("depth {left} {right} --json")).json();
+    assert_eq!((&summary["input_ok"], &summary["input"]), (&true.into(), &"ok".into()), "{summary}");
+    assert!(summary["mismatch_percent"].as_f64().unwrap() < 27.0 && summary["share_sure"].as_f64().unwrap() > 10.0);
+    for (views, input, words) in [
+        (format!("{right} {left}"), "mismatch", "swapped"),
+        (format!("{left} {right} --row-offset 6"), "mismatch", "rectified"),
+        (format!("{left} {left}"), "same-view", "same image"),
+        (format!("{left} {right} --both-gain 0 --noise 2"), "nothing-seen", "lens cap"),
+        (format!("{left} {right} --random"), "nothing-seen", "lens cap"),
+    ] {
+        let outcome = bench.run(&format!("depth {views} --json"));
+        let summary = outcome.json();
+        assert_eq!((&summary["input_ok"], &summary["input"]), (&false.into(), &input.into()), "{views}: {summary}");
+        assert_eq!((outcome.status, outcome.stderr.lines().count()), (0, 1), "{views}: {}", outcome.stderr);
+        assert!(outcome.stderr.starts_with("warning: ") && outcome.stderr.contains(words), "{}", outcome.stderr);
+    }
+}
+
+#[test]
+fn a_recording_of_swapped_views_has_one_warning_and_no_obstacles() {
+    let bench = Bench::new();
+    bench.succeeds("scene obstacles -o scenes --only post_1000mm,box_1500mm");
+    for (scene, name) in [("post_1000mm", "0.png"), ("box_1500mm", "1.png")] {
+        for (view, side) in [("left", "right"), ("right", "left")] {
+            bench.write(&format!("swapped/{side}/{name}"), bench.read(&format!("scenes/{scene}/{view}.png")));
+            bench.write(&format!("take/{view}/{name}"), bench.read(&format!("scenes/{scene}/{view}.png")));
+        }
+    }
+    let rig = "--rig scenes/post_1000mm/rig.toml";
+    let summary = bench.succeeds(&format!("play take -o out {rig} --json")).json();
+    assert_eq!((&summary["input_ok"], &summary["frames_with_obstacles"]), (&true.into(), &2.into()), "{summary}");
+    let outcome = bench.run(&format!("play swapped -o wrong {rig} --json --mavlink wrong.mav --free-beyond 4"));
+    assert_eq!((outcome.status, outcome.stderr.lines().count()), (0, 1), "{}", outcome.stderr);
+    assert!(outcome.stderr.contains("2 of 2 frames") && outcome.stderr.contains("swapped"), "{}", outcome.stderr);
+    let summary = outcome.json();
+    assert_eq!((&summary["wrong_input"]["mismatch"], &summary["frames_with_obstacles"]), (&2.into(), &0.into()));
+    let table = String::from_utf8(bench.read("wrong/frames.csv")).unwrap();
+    assert!(table.lines().nth(1).is_some_and(|line| line.contains(",mismatch,")), "{table}");
+}
+
+#[test]
+fn the_yard_is_scored_part_by_part() {
+    let bench = Bench::new();
+    let told = bench.succeeds("demo --scene yard -o yard").stdout;
+    let parts = ["fence", "blank wall", "dark corner", "hidden strips", "sure and wrong %"];
+    parts.into_iter().for_each(|part| assert!(told.contains(part), "{part}: {told}"));
+    let figures = bench.succeeds("demo --scene yard -o yard --json --noise 0").json();
+    let regions = figures["regions"].as_array().unwrap();
+    assert_eq!(regions.len(), 7);
+    for region in regions {
+        let share = |key: &str| region[key].as_f64().unwrap();
+        assert!(share("sure_wrong_percent") <= share("wrong_percent") && share("pixels") > 100.0, "{region}");
+        assert!(share("wrong_percent") <= share("answered_percent"), "{region}");
+    }
+}

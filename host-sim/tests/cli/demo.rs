@@ -56,14 +56,28 @@ fn without_options_it_prints_accuracy_and_the_wall_and_names_its_files() {
 }
 
 #[test]
-fn the_commands_it_proposes_work() {
-    let bench = Bench::new();
-    let told = bench.succeeds("demo").stdout;
-    let proposed: Vec<&str> = told.lines().filter_map(|line| line.strip_prefix("  haarline ")).collect();
-    assert_eq!(proposed.len(), 3, "{told}");
-    for line in proposed {
-        bench.succeeds(line);
+fn the_commands_it_proposes_work_and_are_of_the_same_scene() {
+    for scene in ["", " --scene rover --seed 3 -o out/rover"] {
+        let bench = Bench::new();
+        let told = bench.succeeds(&format!("demo{scene}")).stdout;
+        let proposed: Vec<&str> = told.lines().filter_map(|line| line.strip_prefix("  haarline ")).collect();
+        assert_eq!(proposed.len(), 3, "{told}");
+        assert!(proposed.iter().any(|line| scene.is_empty() || line.contains("--scene rover --seed 3")), "{told}");
+        for line in proposed {
+            bench.succeeds(line);
+        }
     }
+}
+
+#[test]
+fn the_rover_s_rig_is_written_and_its_post_is_found_by_it() {
+    let bench = Bench::new();
+    bench.succeeds("demo --scene rover -o rover");
+    let told = bench.succeeds("depth rover/left.png rover/right.png --rig rover/rig.toml --json").json();
+    assert!((1400..=1600).contains(&told["nearest_obstacle_mm"].as_u64().unwrap()), "{told}");
+    assert_eq!(told["nearest_obstacle_deg"], 0, "{told}");
+    let told = bench.succeeds("depth rover/left.png rover/right.png --rig rover/rig.toml").stdout;
+    assert!(told.contains(", nearest obstacle 1.4") && told.contains(" m at 0 degrees"), "{told}");
 }
 
 #[test]

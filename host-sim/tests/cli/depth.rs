@@ -35,7 +35,10 @@ fn a_shifted_pair_gives_the_shift_with_every_method() {
     for shift in [0, 1, 6, 13] {
         let bench = bench_with_plane(shift);
         for method in METHODS {
-            bench.succeeds(&format!("depth left.png right.png --num-disparities 16 --method {method} -o map.pfm"));
+            let line = format!("depth left.png right.png --num-disparities 16 --method {method} -o map.pfm");
+            // Without a shift both views are the same image.
+            let told = if shift == 0 { bench.succeeds_on_odd_views(&line) } else { bench.succeeds(&line) };
+            assert_eq!(told.stderr.contains("same image"), shift == 0);
             let map = pfm(&bench, "map.pfm");
             assert_eq!((map.width, map.height), (WIDTH, HEIGHT));
             let share = share_at(&map, 16, shift as f32);
@@ -115,7 +118,7 @@ fn several_outputs_tell_the_same_map() {
 #[test]
 fn a_known_disparity_of_zero_is_1_in_a_png_and_no_point() {
     let bench = bench_with_plane(0);
-    bench.succeeds("depth left.png right.png -o m.pfm -o m.png -o m.ply --focal-px 200 --baseline-mm 60");
+    bench.succeeds_on_odd_views("depth left.png right.png -o m.pfm -o m.png -o m.ply --focal-px 200 --baseline-mm 60");
     let (map, kitti) = (pfm(&bench, "m.pfm"), png16(&bench.read("m.png")));
     let zeros: Vec<usize> = (0..map.px.len()).filter(|&index| map.px[index] == 0.0).collect();
     assert!(zeros.len() > map.px.len() / 4, "{} pixels at 0 px", zeros.len());
@@ -149,13 +152,15 @@ fn the_picture_shows_the_map_with_unknown_in_grey_and_a_legend_beside_it() {
     let bench = bench_with_box();
     bench.succeeds("depth left.png right.png -o m.pfm --picture p.png");
     let picture = png(&bench.read("p.png")).into_rgb8();
-    assert!(picture.width() as usize > WIDTH && picture.height() as usize >= HEIGHT);
+    // Small maps are enlarged to 320 columns at least.
+    let scale = 320_usize.div_ceil(WIDTH);
+    assert!(picture.width() as usize > WIDTH * scale && picture.height() as usize >= HEIGHT * scale);
     let map = pfm(&bench, "m.pfm");
     for (index, px) in map.px.iter().enumerate() {
-        let [r, g, b] = picture.get_pixel((index % WIDTH) as u32, (index / WIDTH) as u32).0;
+        let [r, g, b] = picture.get_pixel((index % WIDTH * scale) as u32, (index / WIDTH * scale) as u32).0;
         assert_eq!(r == g && g == b, !px.is_finite(), "pixel {index}, {px} px: {:?}", [r, g, b]);
     }
-    let beside = picture.enumerate_pixels().filter(|(x, ..)| *x as usize >= WIDTH);
+    let beside = picture.enumerate_pixels().filter(|(x, ..)| *x as usize >= WIDTH * scale);
     let colours: std::collections::BTreeSet<[u8; 3]> = beside.map(|(.., pixel)| pixel.0).collect();
     assert!(colours.len() > 10, "{} colours in the legend", colours.len());
 }
@@ -180,6 +185,48 @@ fn in_grey_nearer_is_brighter_and_unknown_is_black() {
     assert!(known.is_sorted_by_key(|pixel| pixel.1), "brightness follows disparity");
     let (far, near) = (known[known.len() / 10].1, known[known.len() - 1].1);
     assert!(near > far + 40, "{far} to {near}");
+}
+
+#[test]
+fn a_range_that_is_told_holds_for_the_pictures() {
+    let bench = bench_with_box();
+    bench.succeeds("depth left.png right.png -o m.pfm --grey g.png --picture p.png --range -2..30");
+    let (map, grey) = (pfm(&bench, "m.pfm"), png8(&bench.read("g.png")));
+    for (px, grey) in map.px.iter().zip(grey) {
+        let wanted = if px.is_finite() { 1.0 + 254.0 * (px + 2.0) / 32.0 } else { 0.0 };
+        assert!((f32::from(grey) - wanted).abs() <= 0.5, "{px} px: {grey}, not {wanted}");
+    }
+    bench.succeeds("depth left.png right.png --picture q.png");
+    assert_ne!(bench.read("p.png"), bench.read("q.png"));
+    bench.refuses("depth left.png right.png --picture p.png --range 3..3", &["--range", "A..B"]);
+}
+
+#[test]
+fn depth_in_mm_is_focal_length_times_baseline_by_disparity() {
+    let bench = bench_with_box();
+    let line = "depth left.png right.png -o m.pfm -o m.npy --depth-png";
+    bench.succeeds(&format!("{line} d.png --focal-px 200 --baseline-mm 60"));
+    let (map, depth) = (pfm(&bench, "m.pfm"), png16(&bench.read("d.png")));
+    for (px, mm) in map.px.iter().zip(&depth) {
+        let wanted = if px.is_finite() && *px > 0.0 { 200.0 * 60.0 / px } else { 0.0 };
+        assert!((f32::from(*mm) - wanted).abs() <= 1.0, "{px} px: {mm} mm, not {wanted}");
+    }
+    let npy = bench.read("m.npy");
+    let samples = npy[npy.len() - 4 * map.px.len()..].as_chunks().0.iter().map(|&sample| f32::from_le_bytes(sample));
+    for (npy, pfm) in samples.zip(&map.px) {
+        assert!(if pfm.is_finite() { npy == *pfm } else { npy.is_nan() }, "{npy}, {pfm}");
+    }
+    let near = "n.png -o n.ply --focal-px 200 --baseline-mm 60 --max-depth 2.5";
+    bench.succeeds(&format!("{line} {near}"));
+    let wanted: Vec<u16> = depth.iter().map(|&mm| if mm <= 2500 { mm } else { 0 }).collect();
+    assert!(wanted != depth && wanted.iter().any(|&mm| mm > 0));
+    assert_eq!(png16(&bench.read("n.png")), wanted);
+    assert!(vertices(&bench.read("n.ply")).iter().all(|(point, _)| point[2] <= 2.5));
+
+    bench.refuses(&format!("{line} e.png"), &["--depth-png", "--focal-px", "--rig"]);
+    bench.refuses("depth left.png right.png -o n.pfm --max-depth 3", &["--max-depth", "--focal-px"]);
+    bench
+        .refuses(&format!("{line} e.png --focal-px 200 --baseline-mm 60 --max-depth -1"), &["--max-depth", "positive"]);
 }
 
 #[test]
@@ -277,7 +324,10 @@ fn where_nothing_is_known_the_figures_are_null_and_all_files_are_written() {
     Pair::blank(WIDTH, HEIGHT).write(&bench);
     let files = "-o m.pfm -o m.png -o m.ply --picture p.png --grey g.png --confidence c.png";
     let line = format!("depth left.png right.png --focal-px 200 --baseline-mm 60 {files}");
-    let summary = bench.succeeds(&format!("{line} --json")).json();
+    let outcome = bench.succeeds_on_odd_views(&format!("{line} --json"));
+    assert!(outcome.stderr.contains("nothing to see"), "{}", outcome.stderr);
+    let summary = outcome.json();
+    assert_eq!((&summary["input_ok"], &summary["input"]), (&false.into(), &"nothing-seen".into()), "{summary}");
     let map = pfm(&bench, "m.pfm");
     assert_eq!((summary["density"].as_f64(), map.known().len()), (Some(0.0), 0), "{summary}");
     for key in ["min_disparity_px", "median_disparity_px", "max_disparity_px", "nearest_depth_mm"] {
@@ -287,7 +337,7 @@ fn where_nothing_is_known_the_figures_are_null_and_all_files_are_written() {
     assert!(png8(&bench.read("g.png")).into_iter().chain(png8(&bench.read("c.png"))).all(|sample| sample == 0));
     assert_eq!(vertices(&bench.read("m.ply")), []);
     assert!(png(&bench.read("p.png")).width() as usize > WIDTH);
-    assert!(bench.succeeds(&line).stdout.contains("no disparity known"));
+    assert!(bench.succeeds_on_odd_views(&line).stdout.contains("no disparity known"));
 }
 
 #[test]

@@ -8,12 +8,15 @@
 )]
 
 mod bad_input;
+mod bench;
 mod cases;
 mod contours;
+mod degradation;
 mod demo;
 mod depth;
 mod eval;
 mod files;
+mod play;
 mod receive;
 mod record;
 mod rig;

@@ -44,7 +44,7 @@ fn the_wrong_wiring_gives_other_maps() {
     let bench = bench_with_recording();
     bench.succeeds("record --recording take -o take.raw --wiring pixel");
     for wrong in ["--wiring line", "--wiring nibble", "--wiring pixel --first right", "--wiring pixel --skew left"] {
-        bench.succeeds(&format!("play take.raw --raw 96x24 {wrong} -o out {SEARCH}"));
+        bench.succeeds_on_odd_views(&format!("play take.raw --raw 96x24 {wrong} -o out {SEARCH}"));
         assert!(bench.read("source/a.pfm") != bench.read("out/000000.pfm"), "{wrong}");
     }
 }
@@ -83,9 +83,9 @@ fn frames_with_both_views_and_a_part_of_a_recording_are_recorded() {
         let luma: Vec<u8> = [[right; 32], [left; 32]].concat();
         bench.write(&format!("take/{name}.png"), encode(&grey_image(64, 1, &luma), ImageFormat::Png));
     }
-    let take = "record --recording take --layout side-by-side --layout-first right --frames 1..3 -o take.raw";
+    let take = "record --recording take --layout side-by-side --first right --frames 1..3 -o take.raw";
     let told = bench.succeeds(&format!("{take} --wiring line")).stdout;
-    assert_eq!(bench.read("take.raw"), [[40; 32], [30; 32], [60; 32], [50; 32]].concat());
+    assert_eq!(bench.read("take.raw"), [[30; 32], [40; 32], [50; 32], [60; 32]].concat());
     assert!(told.contains("2 frames of 32x1 px a view, 128 bytes"), "{told}");
     let play = told.split("haarline ").nth(1).unwrap().replace("DIR", "out");
     bench.succeeds(&play);

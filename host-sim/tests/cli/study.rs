@@ -32,7 +32,7 @@ fn assert_whole_page(page: &str, files: &BTreeMap<String, Vec<u8>>) {
     }
 }
 
-/// Every study's tables and plots, all of them in the page, and the tables' ends on the terminal too.
+/// Every study's tables and plots, all of them in the page, and a few lines on the terminal.
 #[track_caller]
 fn assert_all_studies(files: &BTreeMap<String, Vec<u8>>, told: &str) {
     let page = text(&files["index.html"]);
@@ -40,10 +40,14 @@ fn assert_all_studies(files: &BTreeMap<String, Vec<u8>>, told: &str) {
     for words in ["haarline study all -o DIR --seed 3 --scenes scenes", "prefers-color-scheme", "<nav"] {
         assert!(page.contains(words), "{words}");
     }
+    assert!(told.lines().count() <= 40, "{told}");
     for study in STUDIES {
+        assert!(told.lines().any(|line| line.starts_with(study)), "{study}: {told}");
         let count =
             |suffix: &str| files.keys().filter(|name| name.starts_with(study) && name.ends_with(suffix)).count();
-        assert!(count(".csv") > 0 && count(".svg") > 0, "{study}: {:?}", files.keys());
+        // The plot of `block` is against counted operations, which only a build for them has.
+        let has_plots = count(".svg") > 0 || study == "block";
+        assert!(count(".csv") > 0 && has_plots, "{study}: {:?}", files.keys());
         assert!(page.contains(&format!("id=\"{study}\"")) && page.contains(&format!("href=\"#{study}\"")));
     }
     for (name, bytes) in files.iter().filter(|(name, _)| name.ends_with(".csv")) {
@@ -52,7 +56,7 @@ fn assert_all_studies(files: &BTreeMap<String, Vec<u8>>, told: &str) {
         let rows: Vec<csv::StringRecord> = reader.records().map(Result::unwrap).collect();
         assert!(columns > 1 && !rows.is_empty(), "{name}");
         let last = &rows[rows.len() - 1][columns - 1];
-        assert!(page.contains(last) && told.contains(last), "{name}: {last}");
+        assert!(page.contains(last), "{name}: {last}");
     }
 }
 

@@ -111,6 +111,16 @@ impl Bench {
         outcome
     }
 
+    /// Calls the tool on views that are no pair or show nothing: it must succeed, and may warn of them in one line.
+    #[track_caller]
+    pub fn succeeds_on_odd_views(&self, line: &str) -> Outcome {
+        let outcome = self.run(line);
+        assert_eq!(outcome.status, 0, "haarline {line}: {}", outcome.stderr);
+        let is_warning = |line: &str| line.starts_with("warning: ");
+        assert!(outcome.stderr.lines().count() <= 1 && outcome.stderr.lines().all(is_warning), "{}", outcome.stderr);
+        outcome
+    }
+
     /// Calls the tool, which must refuse with one line that has all of `told` in it, and must leave the
     /// folder as it was.
     #[track_caller]

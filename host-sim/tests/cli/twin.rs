@@ -28,7 +28,7 @@ fn what_cannot_run_is_refused_before_anything_is_built() {
     let wide = |pair: Pair| encode(&pair.left_image(), ImageFormat::Png);
     bench.write("wide.png", wide(Pair::shifted(400, HEIGHT, 0)));
     bench.write("note.txt", "no program");
-    bench.refuses("twin left.png right.png", &["workspace", "--elf"]);
+    bench.refuses("twin left.png right.png", &["source folder", "cargo twin", "--elf", "HAARLINE_TWIN"]);
     bench.refuses("twin left.png right.png --elf note.txt", &["note.txt", "no ELF program"]);
     bench.refuses("twin wide.png wide.png", &["400 px", "320"]);
     bench.refuses("twin left.png right.png --fault flood@0", &["--fault", "overrun"]);
@@ -37,6 +37,8 @@ fn what_cannot_run_is_refused_before_anything_is_built() {
     bench.refuses("twin left.png right.png --obstacles o.csv", &["--rig"]);
     bench.succeeds("rig new rig.toml");
     bench.refuses("twin left.png right.png --rig rig.toml", &["320x240", &format!("{WIDTH}x{HEIGHT}")]);
+    bench.refuses("twin left.png right.png --random 1", &["--random"]);
+    bench.refuses("twin --random x", &["--random", "whole number"]);
     bench.refuses("twin left.png", &["RIGHT"]);
     bench.refuses("twin", &["LEFT"]);
 }

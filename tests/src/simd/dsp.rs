@@ -34,6 +34,12 @@ registers! {
 
     /// The lesser one of each pair of signed halves.
     fn min_halves(a, b;) { "ssub16 {out}, {a}, {b}" "sel {out}, {b}, {a}" }
+
+    /// The lesser one of each pair of unsigned halves.
+    fn min_unsigned_halves(a, b;) { "usub16 {out}, {a}, {b}" "sel {out}, {b}, {a}" }
+
+    /// All bits of each unsigned half that is not greater than that of `b`.
+    fn at_most_halves(a, b; all = u32::MAX, none = 0_u32) { "usub16 {out}, {b}, {a}" "sel {out}, {all}, {none}" }
 }
 
 /// Puts into `signs` whether the neighbours at an address are less than the centres.
@@ -86,6 +92,67 @@ pub fn census_words(rows: [&[u8]; 5], out: &mut [u8]) {
             signs = out(reg) _,
             one = in(reg) 0x0101_0101_u32,
             none = in(reg) 0_u32,
+            options(nostack)
+        );
+    }
+}
+
+/// Horizontal Sobel responses, with `cap` added and clipped to `0..=2 * cap`, of the columns from the second on: `rows` are
+/// that above, the row itself and that below, `out` has a length that is a multiple of 4.
+#[inline(always)]
+pub fn sobel_words(rows: [&[u8]; 3], cap: u8, out: &mut [u8]) {
+    assert!(!out.is_empty() && out.len().is_multiple_of(4) && rows.iter().all(|row| row.len() >= out.len() + 2));
+    let both = |value: u8| u32::from(value) * 0x1_0001;
+    // SAFETY: it reads the first `out.len() + 2` bytes of the rows and writes `out.len()` bytes of `out`.
+    unsafe {
+        asm!(
+            // Of four columns the first and the third in `e`, the second and the fourth in `o`: first the right
+            // neighbours with the cap, then the left ones.
+            "2:",
+            "ldr {t}, [{above}, #2]",
+            "uxtab16 {e}, {cap}, {t}",
+            "uxtab16 {o}, {cap}, {t}, ror #8",
+            "ldr {t}, [{below}, #2]",
+            "uxtab16 {e}, {e}, {t}",
+            "uxtab16 {o}, {o}, {t}, ror #8",
+            "ldr {t}, [{row}, #2]",
+            "uxtab16 {e}, {e}, {t}",
+            "uxtab16 {e}, {e}, {t}",
+            "uxtab16 {o}, {o}, {t}, ror #8",
+            "uxtab16 {o}, {o}, {t}, ror #8",
+            "ldr {t}, [{above}], #4",
+            "uxtb16 {f}, {t}",
+            "uxtb16 {p}, {t}, ror #8",
+            "ldr {t}, [{below}], #4",
+            "uxtab16 {f}, {f}, {t}",
+            "uxtab16 {p}, {p}, {t}, ror #8",
+            "ldr {t}, [{row}], #4",
+            "uxtab16 {f}, {f}, {t}",
+            "uxtab16 {f}, {f}, {t}",
+            "uxtab16 {p}, {p}, {t}, ror #8",
+            "uxtab16 {p}, {p}, {t}, ror #8",
+            "uqsub16 {e}, {e}, {f}",
+            "uqsub16 {o}, {o}, {p}",
+            "usub16 {f}, {most}, {e}",
+            "sel {e}, {e}, {most}",
+            "usub16 {f}, {most}, {o}",
+            "sel {o}, {o}, {most}",
+            "orr {e}, {e}, {o}, lsl #8",
+            "str {e}, [{out}], #4",
+            "cmp {out}, {end}",
+            "bne 2b",
+            above = inout(reg) rows[0].as_ptr() => _,
+            row = inout(reg) rows[1].as_ptr() => _,
+            below = inout(reg) rows[2].as_ptr() => _,
+            out = inout(reg) out.as_mut_ptr() => _,
+            end = in(reg) out.as_ptr_range().end,
+            cap = in(reg) both(cap),
+            most = in(reg) both(2 * cap),
+            t = out(reg) _,
+            e = out(reg) _,
+            o = out(reg) _,
+            f = out(reg) _,
+            p = out(reg) _,
             options(nostack)
         );
     }

@@ -51,6 +51,30 @@ pub fn min_halves(a: u32, b: u32) -> u32 {
     both(a, b, i16::min)
 }
 
+/// The lesser one of each pair of unsigned halves.
+#[inline(always)]
+pub fn min_unsigned_halves(a: u32, b: u32) -> u32 {
+    both(a, b, |a, b| a.cast_unsigned().min(b.cast_unsigned()).cast_signed())
+}
+
+/// All bits of each unsigned half that is not greater than that of `b`.
+#[inline(always)]
+pub fn at_most_halves(a: u32, b: u32) -> u32 {
+    both(a, b, |a, b| if a.cast_unsigned() <= b.cast_unsigned() { -1 } else { 0 })
+}
+
+/// Horizontal Sobel responses, with `cap` added and clipped to `0..=2 * cap`, of the columns from the second on: `rows` are
+/// that above, the row itself and that below, `out` has a length that is a multiple of 4.
+pub fn sobel_words(rows: [&[u8]; 3], cap: u8, out: &mut [u8]) {
+    let [above, row, below] = rows.map(|row| row.windows(3));
+    let derivative = |triple: &[u8]| i32::from(triple[2]) - i32::from(triple[0]);
+    for (((out, above), row), below) in out.iter_mut().zip(above).zip(row).zip(below) {
+        let sum = derivative(above) + 2 * derivative(row) + derivative(below);
+        let capped = sum.clamp(-i32::from(cap), i32::from(cap)) + i32::from(cap);
+        *out = capped.to_le_bytes()[0];
+    }
+}
+
 #[inline(always)]
 fn each(a: u32, b: u32, op: impl Fn(u8, u8) -> u8) -> u32 {
     let (a, b) = (a.to_le_bytes(), b.to_le_bytes());

@@ -2,6 +2,8 @@
 
 use haarline::count;
 
+use crate::simd::sobel_words;
+
 /// Computes the capped horizontal Sobel response of a row, shifted to be positive.
 ///
 /// `response[x] = cap + clamp(dx(above) + 2 dx(row) + dx(below), -cap, cap)` with
@@ -18,26 +20,48 @@ pub fn sobel_x(rows: [&[u8]; 3], cap: u8, response: &mut [u8]) {
     count::subtractions(3 * last.saturating_sub(1));
     count::additions(3 * last.saturating_sub(1));
     count::comparisons(2 * last.saturating_sub(1));
-    // Every pair of windows is one column of the response: `[x - 1, x, x + 1]` of each row.
-    let [above, row, below] = rows.map(|line| line.windows(3));
-    let inner = response.iter_mut().skip(1);
-    for (((out, above), row), below) in inner.zip(above).zip(row).zip(below) {
-        let sum = derivative(above) + 2 * derivative(row) + derivative(below);
-        let capped = sum.clamp(-i32::from(cap), i32::from(cap)) + i32::from(cap);
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to 0..=126")]
-        let capped = capped as u8;
-        *out = capped;
+    let inner = &mut response[1..last];
+    let (whole, rest) = (inner.len() / 4 * 4, inner.len() % 4);
+    if whole > 0 {
+        sobel_words(rows, cap, &mut inner[..whole]);
+    }
+    match inner.len().checked_sub(4) {
+        // The last word overlaps the one before.
+        Some(start) if rest > 0 => sobel_words(rows.map(|row| &row[start..]), cap, &mut inner[start..]),
+        Some(_) => {}
+        None => {
+            for (x, out) in inner.iter_mut().enumerate() {
+                *out = one(rows.map(|row| [row[x], row[x + 2]]), cap);
+            }
+        }
     }
 }
 
-/// Right neighbour minus left neighbour of the middle of three pixels.
-fn derivative(triple: &[u8]) -> i32 {
-    i32::from(triple[2]) - i32::from(triple[0])
+/// A single response, by the neighbours to the left and to the right.
+fn one(beside: [[u8; 2]; 3], cap: u8) -> u8 {
+    let [above, row, below] = beside.map(|[left, right]| i32::from(right) - i32::from(left));
+    let cap = i32::from(cap);
+    ((above + 2 * row + below).clamp(-cap, cap) + cap).to_le_bytes()[0]
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn words_have_the_response_of_each_pixel(
+            pixels in prop::array::uniform3(prop::array::uniform32(prop_oneof![any::<u8>(), Just(0), Just(255)])),
+            (width, cap) in (3..=32_usize, 1..=63_u8),
+        ) {
+            let mut response = [0; 32];
+            sobel_x(pixels.each_ref().map(|row| &row[..width]), cap, &mut response[..width]);
+            for x in 1..width - 1 {
+                prop_assert_eq!(response[x], one(pixels.map(|row| [row[x - 1], row[x + 1]]), cap), "column {}", x);
+            }
+        }
+    }
 
     #[test]
     fn flat_rows_respond_with_the_cap() {

@@ -4,13 +4,15 @@ use haarline::{Config, count};
 
 /// The least cost of a pixel, and the least of the costs that speak against it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Winner {
+pub struct Winner {
     /// Position of the least cost; of equal ones the first.
     pub index: usize,
     /// Least cost.
-    cost: u32,
+    pub(super) cost: u32,
     /// Least cost more than one position away; none where there are no such positions.
-    rival: Option<u32>,
+    pub(super) rival: Option<u32>,
+    /// Costs one position before and after it; none at both ends of the search.
+    pub(super) beside: Option<[u32; 2]>,
 }
 
 impl Winner {
@@ -30,7 +32,8 @@ impl Winner {
         }
         let start = group * GROUP;
         let index = start + costs[start..].iter().position(|&other| other.into() == cost).unwrap_or(0);
-        Self { index, cost, rival: rival(costs, index, &leasts[..costs.len().div_ceil(GROUP)]) }
+        let rival = rival(costs, index, &leasts[..costs.len().div_ceil(GROUP)]);
+        Self { index, cost, rival, beside: beside(costs, index) }
     }
 
     /// The same without groups.
@@ -45,7 +48,7 @@ impl Winner {
         let below = &costs[..index.saturating_sub(1)];
         let above = costs.get(index + 2..).unwrap_or(&[]);
         let rival = below.iter().chain(above).map(|&other| other.into()).min();
-        Self { index, cost, rival }
+        Self { index, cost, rival, beside: beside(costs, index) }
     }
 
     /// Whether the rival's cost is more than `ratio` percent over the least cost.
@@ -72,16 +75,21 @@ impl Winner {
     ///
     /// The two lines of equal and opposite slope through the three costs meet there. At both ends
     /// of the search the one neighbour counts for both, which leaves the position as it is.
-    pub fn refine<C: Copy + Into<u32>>(&self, costs: &[C]) -> i32 {
-        let (Some(before), Some(after)) = (self.index.checked_sub(1), costs.get(self.index + 1)) else { return 0 };
+    pub fn refine(&self) -> i32 {
+        let Some([before, after]) = self.beside else { return 0 };
         count::additions(2);
         count::subtractions(3);
         count::comparisons(1);
         count::multiplications(2);
-        let [before, after, cost] = [costs[before].into(), (*after).into(), self.cost].map(u32::cast_signed);
+        let [before, after, cost] = [before, after, self.cost].map(u32::cast_signed);
         let slope = before + after - 2 * cost + (after - before).abs();
         ((after - before) * 256).checked_div(slope).unwrap_or(0)
     }
+}
+
+/// The costs on either side of `index`, if there are two.
+fn beside<C: Copy + Into<u32>>(costs: &[C], index: usize) -> Option<[u32; 2]> {
+    Some([costs[index.checked_sub(1)?], *costs.get(index + 1)?].map(Into::into))
 }
 
 /// Costs whose least is found at once: a rival is looked for again only in the winner's group and the one beside it.
@@ -128,27 +136,34 @@ mod tests {
                 let (index, &cost) = costs.iter().enumerate().min_by_key(|&(_, cost)| cost).unwrap();
                 let others = costs.iter().enumerate().filter(|&(other, _)| other.abs_diff(index) > 1);
                 let rival = others.map(|(_, &cost)| cost).min();
-                assert_eq!(Winner::find(costs), Winner { index, cost, rival }, "{costs:?}");
+                assert_eq!(
+                    Winner::find(costs),
+                    Winner { index, cost, rival, beside: beside(costs, index) },
+                    "{costs:?}"
+                );
             }
         }
     }
 
     #[test]
     fn the_first_of_equal_costs_wins() {
-        assert_eq!(Winner::find(&[5_u16, 3, 9, 3]), Winner { index: 1, cost: 3, rival: Some(3) });
+        assert_eq!(Winner::find(&[5_u16, 3, 9, 3]), Winner { index: 1, cost: 3, rival: Some(3), beside: Some([5, 9]) });
     }
 
     #[test]
     fn neighbours_are_no_rivals() {
-        assert_eq!(Winner::find(&[9_u16, 3, 2, 3, 8]), Winner { index: 2, cost: 2, rival: Some(8) });
-        assert_eq!(Winner::find(&[2_u16, 3]), Winner { index: 0, cost: 2, rival: None });
+        assert_eq!(
+            Winner::find(&[9_u16, 3, 2, 3, 8]),
+            Winner { index: 2, cost: 2, rival: Some(8), beside: Some([3, 3]) }
+        );
+        assert_eq!(Winner::find(&[2_u16, 3]), Winner { index: 0, cost: 2, rival: None, beside: None });
     }
 
     #[test]
     fn the_greatest_possible_cost_still_has_a_winner() {
         assert_eq!(
             Winner::find(&[u16::MAX; 4]),
-            Winner { index: 0, cost: u16::MAX.into(), rival: Some(u16::MAX.into()) }
+            Winner { index: 0, cost: u16::MAX.into(), rival: Some(u16::MAX.into()), beside: None }
         );
     }
 
@@ -170,15 +185,16 @@ mod tests {
     #[test]
     fn refinement_points_to_the_cheaper_neighbour() {
         for (costs, offset) in [([8, 2, 8], 0), ([8, 2, 2], -128), ([2, 1, 2], 0), ([4, 2, 8], 128 * 4 / 6)] {
-            let offset_seen = Winner { index: 1, cost: costs[1], rival: None }.refine(&costs);
+            let offset_seen =
+                Winner { index: 1, cost: costs[1], rival: None, beside: Some([costs[0], costs[2]]) }.refine();
             assert_eq!(offset_seen, offset, "{costs:?}");
         }
     }
 
     #[test]
     fn the_ends_of_the_search_are_not_refined() {
-        assert_eq!(Winner::find(&[1_u16, 2, 9]).refine(&[1_u16, 2, 9]), 0);
-        assert_eq!(Winner::find(&[9_u16, 2, 1]).refine(&[9_u16, 2, 1]), 0);
-        assert_eq!(Winner::find(&[1_u16]).refine(&[1_u16]), 0);
+        assert_eq!(Winner::find(&[1_u16, 2, 9]).refine(), 0);
+        assert_eq!(Winner::find(&[9_u16, 2, 1]).refine(), 0);
+        assert_eq!(Winner::find(&[1_u16]).refine(), 0);
     }
 }

@@ -6,6 +6,7 @@
 //! baseline / disparity. Times the focal length both are linear in y, with sin p and cos p as the only figures
 //! that are not whole: no table of rows is needed.
 
+use super::free::Reach;
 use super::{Mounting, ObstacleError, Sectors};
 use crate::Rig;
 
@@ -107,6 +108,15 @@ impl Lane {
         let numerator = self.ahead * u64::from(secant_q14);
         let denominator = u64::from(bits.unsigned_abs().max(1)) * 1000 * 1024;
         u32::try_from(numerator / denominator).unwrap_or(u32::MAX - 1)
+    }
+
+    /// What the rays of this row meet up to a distance of `range_mm` > 0 ahead; `None` where they do not come into the band
+    /// of heights up to there.
+    pub(super) fn reach(&self, range_mm: u32) -> Option<Reach> {
+        // In mm and with the disparity in 1/16 px: 16 / 1000.
+        let bits = i64::try_from(self.ahead * 16 / (u64::from(range_mm.max(1)) * 1000)).unwrap_or(i64::MAX).max(1);
+        let is_within = (self.least..=self.most).contains(&bits);
+        (self.least.max(bits) <= self.most).then_some(Reach { bits, is_within })
     }
 
     /// Where the tangent of a bearing lies: half pixels right of the middle.

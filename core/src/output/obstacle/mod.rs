@@ -3,8 +3,8 @@
 //! Works on disparity rows as they come out of a method, and keeps nothing but one row of blocks. Of each
 //! 4x4 block one pixel is looked at. It counts if it is certain enough and lies within a band of heights
 //! over the ground, so that the ground itself does not count; and it is believed if blocks that adjoin it
-//! agree, so that single wrong ones are not. Where nothing is believed the answer is unknown: it is never
-//! "free".
+//! agree, so that single wrong ones are not. Where nothing is believed the answer is unknown. That a sector is free
+//! is told only if it is asked for, and only of one that is measured nearly all over ([`Obstacles::free`]).
 //!
 //! ```
 //! use haarline::obstacle::{Mounting, Obstacles, Sectors, Settings};
@@ -33,9 +33,11 @@ use crate::method::pipeline::blocks_for;
 use crate::{DisparityRow, Rig};
 
 mod chain;
+mod free;
 mod lane;
 
 use chain::Chain;
+use free::Clearance;
 use lane::{Camera, Directions, Lane};
 
 /// Most sectors that anybody asks for: those of MAVLink's `OBSTACLE_DISTANCE`.
@@ -121,6 +123,9 @@ pub struct Settings {
     pub doubt: u8,
     /// Least confidence of a block.
     pub min_confidence: u8,
+    /// From this distance over the ground on, mm, a sector in which nothing is in the way may be told to be free
+    /// ([`Obstacles::free`]); 0: never.
+    pub free_beyond_mm: u32,
 }
 
 impl Settings {
@@ -128,7 +133,8 @@ impl Settings {
     pub const SURE: u8 = 64;
 
     /// Four sure blocks within 1 px, half a pixel of doubt.
-    pub const DEFAULT: Self = Self { agreeing_blocks: 4, tolerance: 16, doubt: 8, min_confidence: Self::SURE };
+    pub const DEFAULT: Self =
+        Self { agreeing_blocks: 4, tolerance: 16, doubt: 8, min_confidence: Self::SURE, free_beyond_mm: 0 };
 }
 
 /// Why obstacles cannot be looked for.
@@ -184,6 +190,7 @@ pub struct Obstacles<const SECTORS: usize, const BLOCKS: usize> {
     /// The block row looked at last.
     chains: [Chain; BLOCKS],
     nearest_mm: [u32; SECTORS],
+    clearance: [Clearance; SECTORS],
 }
 
 impl<const SECTORS: usize, const BLOCKS: usize> Obstacles<SECTORS, BLOCKS> {
@@ -213,13 +220,15 @@ impl<const SECTORS: usize, const BLOCKS: usize> Obstacles<SECTORS, BLOCKS> {
             return Err(ObstacleError::Sectors);
         }
         let camera = Camera::new(size, rig, mounting)?;
-        Ok(Self { camera, sectors, settings, chains: [Chain::NONE; BLOCKS], nearest_mm: [UNKNOWN_MM; SECTORS] })
+        let (chains, nearest_mm) = ([Chain::NONE; BLOCKS], [UNKNOWN_MM; SECTORS]);
+        Ok(Self { camera, sectors, settings, chains, nearest_mm, clearance: [Clearance::NONE; SECTORS] })
     }
 
     /// Begins a frame. The first row of one does the same.
     pub fn start(&mut self) {
         self.chains = [Chain::NONE; BLOCKS];
         self.nearest_mm = [UNKNOWN_MM; SECTORS];
+        self.clearance = [Clearance::NONE; SECTORS];
     }
 
     /// Takes the next row of a frame. One whose width differs is taken as far as it goes.
@@ -231,8 +240,27 @@ impl<const SECTORS: usize, const BLOCKS: usize> Obstacles<SECTORS, BLOCKS> {
             return;
         }
         match self.camera.lane(row.y, self.settings.doubt) {
-            Some(lane) => self.look(&lane, row),
+            Some(lane) => {
+                self.look(&lane, row);
+                if self.settings.free_beyond_mm > 0 {
+                    self.clear(&lane, row);
+                }
+            }
             None => self.chains = [Chain::NONE; BLOCKS],
+        }
+    }
+
+    /// Counts what is measured to be free in a row.
+    fn clear(&mut self, lane: &Lane, row: &DisparityRow<'_>) {
+        let Some(reach) = lane.reach(self.settings.free_beyond_mm) else { return };
+        let samples = row.disparity.iter().zip(row.confidence).take(self.camera.width());
+        let mut directions = Directions::new(lane);
+        for (index, (disparity, &confidence)) in samples.enumerate().skip(Self::SAMPLE).step_by(SIZE) {
+            let Some(sector) = directions.sector_of(index, &self.sectors) else { continue };
+            let sure = disparity.known().filter(|_| confidence >= self.settings.min_confidence);
+            if let Some(clearance) = self.clearance.get_mut(sector) {
+                clearance.add(&reach, sure.map(|bits| reach.is_clear(lane, bits, self.settings.doubt)));
+            }
         }
     }
 
@@ -241,6 +269,16 @@ impl<const SECTORS: usize, const BLOCKS: usize> Obstacles<SECTORS, BLOCKS> {
     pub fn nearest_mm(&self) -> impl Iterator<Item = Option<u32>> {
         let used = self.nearest_mm.iter().take(self.sectors.count);
         used.map(|&mm| (mm != UNKNOWN_MM).then_some(mm))
+    }
+
+    /// Whether each sector is measured and free up to [`Settings::free_beyond_mm`]: nothing was found in it,
+    /// of the samples whose ray runs within the band of heights at that distance 80 percent are sure and lie beyond,
+    /// and of those whose ray crosses the band before, 80 percent are sure, too (and see the ground, or what is
+    /// above the band). Whole once the last row of the frame is in; never true where that distance is 0.
+    pub fn free(&self) -> impl Iterator<Item = bool> {
+        let used = self.nearest_mm.iter().zip(&self.clearance).take(self.sectors.count);
+        let limit = self.settings.free_beyond_mm;
+        used.map(move |(&mm, clearance)| mm >= limit && clearance.is_free())
     }
 
     /// Extends the chains by a row of blocks, and reports those that are believed.

@@ -130,6 +130,39 @@ fn a_pitched_camera_sees_the_same_ground_and_the_same_post() {
     }
 }
 
+/// Which of the sectors are free up to 4 m, of a map of that confidence.
+fn free(seen: &Map, confidence: u8) -> Vec<bool> {
+    let settings = Settings { free_beyond_mm: 4000, ..Settings::DEFAULT };
+    let mut finder = Finder::new(SIZE_PX, rig(), mounting(300, 0.0), sectors(9), settings).unwrap();
+    for (y, disparity) in (0..).zip(seen) {
+        finder.push(&DisparityRow { y, disparity, confidence: &[confidence; WIDTH] });
+    }
+    finder.free().collect()
+}
+
+#[test]
+fn a_sector_is_free_where_it_is_measured_and_empty_and_only_if_that_was_asked() {
+    // Ground, and a wall at 8 m.
+    let level = mounting(300, 0.0);
+    let open = |y: usize| Some(ground(&level, y).unwrap_or(0.0).max(0.75));
+    assert_eq!(free(&map(|_, y| open(y)), 64), [true; SECTORS]);
+    // Not sure, or not measured at all, or only the ground.
+    assert_eq!(free(&map(|_, y| open(y)), 63), [false; SECTORS]);
+    assert_eq!(free(&map(|_, _| None), 64), [false; SECTORS]);
+    assert_eq!(free(&map(|_, y| ground(&level, y)), 64), [false; SECTORS]);
+    // A wall at 3 m, and one at 8 m before which the ground is not seen.
+    assert_eq!(free(&map(|_, y| Some(ground(&level, y).unwrap_or(0.0).max(2.0))), 64), [false; SECTORS]);
+    assert_eq!(free(&map(|_, y| (y < 62).then_some(0.75)), 64), [false; SECTORS]);
+    // A post at 1.5 m takes its sector only; so does a hole of a quarter of the one ahead.
+    let post = map(|x, y| if (74..86).contains(&x) && y < 80 { Some(4.0) } else { open(y) });
+    assert_eq!(free(&post, 64), [true, true, true, true, false, true, true, true, true]);
+    let hole = map(|x, y| if (74..82).contains(&x) { None } else { open(y) });
+    assert_eq!(free(&hole, 64), [true, true, true, true, false, true, true, true, true]);
+    let mut finder = finder(level);
+    find(&mut finder, &map(|_, y| open(y)));
+    assert!(finder.free().all(|free| !free));
+}
+
 #[test]
 fn what_it_keeps_is_small() {
     assert!(size_of::<Obstacles<17, { blocks_for(320) }>>() <= 1024);

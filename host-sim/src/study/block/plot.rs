@@ -12,7 +12,7 @@ use crate::study::plot::{Axis, Chart, Layer, Mark, figure};
 /// The frames of a chart each.
 const FRAMES: [&str; 2] = ["clean", "sigma 10"];
 
-/// `tot2` over the operations of a pixel, clean and at sigma 10; over nothing where they were not counted.
+/// `tot2` over the operations of a pixel that were counted, clean and at sigma 10.
 pub(super) fn tot2_against_operations(trials: &[Trial]) -> Result<Plot> {
     let shown = || ENTRIES.iter().filter(|entry| is_dense(entry));
     let points: Vec<&Trial> =
@@ -31,8 +31,7 @@ pub(super) fn tot2_against_operations(trials: &[Trial]) -> Result<Plot> {
         Chart { title: frames.to_owned(), x: x.clone(), y: y.clone(), layers }
     });
     let caption = "tot2 (lower is better) against counted operations per pixel (left is cheaper), on clean frames and \
-                   at noise of 10 grey levels; the methods that are sparse by design are left out. Without --features \
-                   count nothing is counted, and all points lie at 0."
+                   at noise of 10 grey levels; the methods that are sparse by design are left out."
         .to_owned();
     Ok(Plot { name: "tot2_operations".to_owned(), caption, svg: figure(&charts, 2, [450, 360])? })
 }

@@ -121,10 +121,11 @@ mod tests {
             assert_eq!(cases, family.cases(0));
             assert_ne!(cases, family.cases(1));
             for case in cases.iter().step_by(5) {
-                let (truth, is_blank) = case.scene.truth();
+                let (truth, layer) = case.scene.truth();
                 let most = truth.scored().map(|(_, q8)| q8).max().unwrap();
                 assert!(most <= (case.scene.num_disparities - 1) * 256, "{}: {most}", case.name);
-                let is_scored = |index: &usize| case.scored == Scored::All || is_blank[*index];
+                let is_scored =
+                    |index: &usize| case.scored == Scored::All || case.scene.layers[layer[*index]].texture.is_blank();
                 let scored = truth.scored().filter(|(index, _)| is_scored(index)).count();
                 assert!(scored > 3_000, "{}: {scored}", case.name);
             }
