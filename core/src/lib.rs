@@ -29,6 +29,8 @@
 // A camera line passes `camera`, `front_end`, `matching`, `answer` and `output`, in this order; a `method` takes
 // it from the front end to the answer.
 mod answer;
+pub mod tuning;
+mod lanes;
 mod camera;
 mod front_end;
 mod matching;
@@ -47,6 +49,7 @@ pub use answer::disparity;
 pub use camera::{counters, framing, rectify, scanline, wiring};
 pub use front_end::{contour, curvature, haar, reading, scales};
 pub use matching::extremum;
+pub use method::tile_pipeline;
 pub use method::{contour_stereo, envelope, full, lite, parts, pipeline, stereo, wavelet_block};
 #[cfg(feature = "packet")]
 pub use output::packet;
@@ -62,7 +65,7 @@ pub use fill::fill_holes;
 pub use full::Full;
 pub use lite::Lite;
 pub use obstacle::Obstacles;
-pub use parts::Parts;
+pub use parts::{Parts, Seeds};
 pub use pipeline::blocks_for;
 pub use reading::Reading;
 pub use rectify::{Offset, Paired};

@@ -2,6 +2,8 @@
 //! `boundary` and `consistency`, single points that of `linkage`.
 
 pub(crate) mod boundary;
+pub(crate) mod cell;
+pub(crate) mod cell_rows;
 pub(crate) mod confidence;
 pub(crate) mod consistency;
 pub mod disparity;

@@ -2,6 +2,7 @@
 //! the `pipeline` for blocks, `contour_stereo` and `envelope` measure points in the `sparse` one.
 
 mod block_row;
+pub mod tile_pipeline;
 pub mod contour_stereo;
 pub mod envelope;
 pub mod full;

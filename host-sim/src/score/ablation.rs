@@ -5,7 +5,6 @@ use std::path::Path;
 
 use anyhow::{Context, Result};
 use comfy_table::Table;
-use haarline::full::Exhaustive;
 use haarline::{Config, ConfigError, Full, Parts, StereoMethod, blocks_for};
 use serde::Serialize;
 
@@ -31,20 +30,18 @@ pub struct Variant {
 #[derive(Debug, Clone, Copy)]
 enum Kind {
     Full(Parts),
-    Exhaustive,
     Other(MethodKind),
 }
 
 impl Variant {
     /// All of them, the whole method first.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 8] = [
         Self { name: "full", kind: Kind::Full(Parts::ALL) },
         Self { name: "without seeds", kind: Kind::Full(Parts { seeds: false, ..Parts::ALL }) },
         Self { name: "without extremum step", kind: Kind::Full(Parts { extremum: false, ..Parts::ALL }) },
         Self { name: "without agreement", kind: Kind::Full(Parts { agreement: false, ..Parts::ALL }) },
         Self { name: "without smoothing", kind: Kind::Full(Parts { smoothing: false, ..Parts::ALL }) },
         Self { name: "without texture test", kind: Kind::Full(Parts { texture: false, ..Parts::ALL }) },
-        Self { name: "exhaustive search", kind: Kind::Exhaustive },
         Self { name: "lite", kind: Kind::Other(MethodKind::Lite) },
         Self { name: "block", kind: Kind::Other(MethodKind::Block) },
     ];
@@ -59,10 +56,6 @@ impl Variant {
             Kind::Full(parts) => {
                 on_large_stack(|| -> Built { Ok(Box::new(Full::<BLOCKS>::with_parts(config, parts)?)) })
             }
-            Kind::Exhaustive => on_large_stack(|| -> Built {
-                let parts = Parts { exhaustive: true, ..Parts::ALL };
-                Ok(Box::new(Exhaustive::<BLOCKS>::with_parts(config, parts)?))
-            }),
             Kind::Other(method) => method.build(config),
         }
     }
