@@ -1,4 +1,9 @@
 //! Two image rows of answers: planes through neighbouring cells, the choice of surface at jumps, hidden pixels.
+#![expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_possible_wrap,
+    reason = "columns are below 1280, disparities within 16 bits of 1/64 px"
+)]
 
 use crate::answer::cell::HALF;
 use crate::answer::cell_row::{CellRow, blend, is_same_surface};
@@ -66,7 +71,8 @@ impl<const WORDS: usize> AnswerRow<WORDS> {
                     let value = value.map(|&value| i32::from(value));
                     (value.unwrap_or(0), value.is_some_and(|value| is_same_surface(value, here)))
                 };
-                (here, across) = blend(here, [beside(c.checked_sub(1).and_then(|c| row.get(c))), beside(row.get(c + 1))]);
+                (here, across) =
+                    blend(here, [beside(c.checked_sub(1).and_then(|c| row.get(c))), beside(row.get(c + 1))]);
             }
             let vertical = [above[c], below[c]].map(|value| {
                 let value = i32::from(value);
@@ -102,15 +108,25 @@ impl<const WORDS: usize> AnswerRow<WORDS> {
             for (half, cell) in [(1, c - 1), (0, c)] {
                 let column = 4 * cell + 2 * half + 3;
                 let fit = |label: u8| {
-                    let at = usize::try_from(column as i32 - i32::from(label) - i32::from(config.min_disparity)).ok()?;
-                    (at <= last).then(|| window_sad(sources.left.map(|r| &r[..]), column, sources.right.map(|r| &r[..]), at))
+                    let at =
+                        usize::try_from(column as i32 - i32::from(label) - i32::from(config.min_disparity)).ok()?;
+                    (at <= last)
+                        .then(|| window_sad(sources.left.map(|r| &r[..]), column, sources.right.map(|r| &r[..]), at))
                 };
                 let (own, other) = (labels[1 - half], labels[half]);
                 if let (Some(own), Some(others)) = (fit(own), fit(other))
                     && 2 * others < own
                 {
                     let neighbour = if half == 1 { c } else { c - 1 };
-                    let value = (i32::from(sources.rows[1].value[neighbour]) >> 2) + OFFSET - HALF.cast_signed() / 4;
+                    // Of a label that the median put in the place of another only the whole disparity is known.
+                    let row = sources.rows[1];
+                    let is_own = row.label[neighbour] == other;
+                    let value = if is_own {
+                        i32::from(row.value[neighbour])
+                    } else {
+                        (i32::from(other) << 8) + HALF.cast_signed()
+                    };
+                    let value = (value >> 2) + OFFSET - HALF.cast_signed() / 4;
                     self.pixels[cell][half] = pair(value, value);
                     surfaces[cell][half] = other;
                 }

@@ -1,4 +1,5 @@
 //! The answer of a cell, 4 x 2 px: which of its tile's labels wins, and what lies between them.
+#![expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped before")]
 
 use crate::lanes::{add, difference, least, select_ge, splat, zero_lane_bits};
 
@@ -50,11 +51,7 @@ pub(crate) fn winner(sums: u32, labels: u32, costs: u32, beside: u32) -> Cell {
     let margin = (least(rivals) & 0xff).min(MOST_MARGIN).cast_signed();
     let cost = i32::from(byte(costs >> bits));
     let merit = (128 + margin - 2 * cost).clamp(0, 255);
-    Cell {
-        label: byte(label),
-        value: ((label << 8) + HALF).wrapping_add_signed(fraction) as u16,
-        merit: merit as u8,
-    }
+    Cell { label: byte(label), value: ((label << 8) + HALF).wrapping_add_signed(fraction) as u16, merit: merit as u8 }
 }
 
 /// The lowest lane.

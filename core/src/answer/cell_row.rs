@@ -1,4 +1,5 @@
 //! The cells of a row: what they answer, and the smoothing along the row.
+#![expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "means of values stay among them")]
 
 use crate::answer::cell::Cell;
 

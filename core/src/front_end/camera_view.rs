@@ -3,7 +3,7 @@
 use crate::front_end::exposure::Gain;
 use crate::front_end::noise::SmoothingLevel;
 use crate::lanes;
-use crate::lanes::rows::{Clips, FLIP, Mean, gradient_across, gradient_down, mean_across, mean_down};
+use crate::lanes::rows::{Clips, FLIP, gradient_across, gradient_down, mean_across, mean_down};
 
 /// Rows as they came that are kept: those of the widest filter.
 const RAW_ROWS: u32 = 5;
@@ -106,7 +106,8 @@ impl<const WORDS: usize> CameraView<WORDS> {
         let words = words_for(width);
         let mut line = [0; WORDS];
         let at = i64::from(y);
-        let rows = [at - 2, at - 1, at, at + 1, at + 2].map(|y| &self.raw[(clamp(y, self.raw_len) % RAW_ROWS) as usize][..words]);
+        let rows = [at - 2, at - 1, at, at + 1, at + 2]
+            .map(|y| &self.raw[(clamp(y, self.raw_len) % RAW_ROWS) as usize][..words]);
         let out = &mut self.smooth[(y % SMOOTH_ROWS) as usize];
         mean_down(rows, means.0, &mut line[..words]);
         mean_across(&line[..words], means.1, &mut out[..words]);

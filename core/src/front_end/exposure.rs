@@ -34,6 +34,7 @@ impl Exposure {
             self.over_quarter += u32::from(pixel >= 64);
             self.over_half += u32::from(pixel >= 128);
         }
+        self.bound();
     }
 
     pub(crate) fn add(&mut self, pixels: &[u8]) {
@@ -45,7 +46,11 @@ impl Exposure {
             self.over_quarter += u32::from(pixel >= 64);
             self.over_half += u32::from(pixel >= 128);
         }
-        // Halved long before 32 bits are full, whatever the frame's height.
+        self.bound();
+    }
+
+    /// Halves the counts long before 32 bits are full, whatever the frame's height.
+    fn bound(&mut self) {
         if self.total >= 1 << 24 {
             (self.total, self.over_quarter, self.over_half) =
                 (self.total / 2, self.over_quarter / 2, self.over_half / 2);

@@ -1,11 +1,11 @@
 //! How noisy the frame is, judged from the rows that came so far.
 
 use crate::count;
-use crate::lanes::rows::{Mean, load};
 use crate::front_end::exposure::Gain;
 use crate::front_end::haar::difference_121;
 use crate::front_end::reading::Reading;
 use crate::front_end::ring::MARGIN;
+use crate::lanes::rows::{Mean, load};
 
 const BINS: usize = 64;
 /// One pixel in so many is looked at.
@@ -69,7 +69,7 @@ impl NoiseHistogram {
         while x + 1 < width {
             let [a, b, c] = rows.map(|row| {
                 let word = load(row, x + 3);
-                let of = |lane: u32| i32::from((word >> (8 * lane)) as u8 as i8);
+                let of = |lane: usize| i32::from(word.to_le_bytes()[lane].cast_signed());
                 difference_121(of(0), of(1), of(2))
             });
             let second = difference_121(a, b, c).unsigned_abs() as usize;

@@ -38,7 +38,9 @@ operations! {
 pub(crate) fn sad_add(a: u32, b: u32, sum: u32) -> u32 {
     let result;
     // SAFETY: works on registers only.
-    unsafe { asm!("usada8 {}, {}, {}, {}", lateout(reg) result, in(reg) a, in(reg) b, in(reg) sum, options(pure, nomem, nostack, preserves_flags)) };
+    unsafe {
+        asm!("usada8 {}, {}, {}, {}", lateout(reg) result, in(reg) a, in(reg) b, in(reg) sum, options(pure, nomem, nostack, preserves_flags))
+    };
     result
 }
 

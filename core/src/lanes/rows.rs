@@ -115,29 +115,27 @@ pub(crate) fn gradient_down(rows: [&[u32]; 2], clips: Clips, out: &mut [u32]) {
     });
 }
 
-/// Haar responses of half-support 2 in the words `at` and `at + 1`: mean of two columns by the rows given, less that of the
-/// two columns before; 0 where it falls (where it rises if `falling`).
+/// Haar responses of half-support 2 in a word: mean of two columns by the rows given, less that of the two columns before; 0
+/// where it falls (where it rises if `falling`).
 #[inline(always)]
-pub(crate) fn responses(rows: &[&[u32]], at: usize, falling: bool) -> [u32; 2] {
+pub(crate) fn response(rows: &[&[u32]], at: usize, falling: bool) -> u32 {
     for row in rows {
-        assert!(at + 3 <= row.len() && at > 0);
+        assert!(at + 2 <= row.len() && at > 0);
     }
-    [at, at + 1].map(|at| {
-        // SAFETY: from two bytes before word `at` to one byte after word `at + 1`.
-        let mean = |offset: usize| unsafe {
-            match *rows {
-                [a, b] => signed_halved_sum(word(a, 4 * at + offset - 2), word(b, 4 * at + offset - 2)),
-                [a, b, c, d] => signed_halved_sum(
-                    signed_halved_sum(word(b, 4 * at + offset - 2), word(c, 4 * at + offset - 2)),
-                    signed_halved_sum(word(a, 4 * at + offset - 2), word(d, 4 * at + offset - 2)),
-                ),
-                _ => 0,
-            }
-        };
-        let before = signed_halved_sum(mean(0), mean(1)) ^ FLIP;
-        let after = signed_halved_sum(mean(2), mean(3)) ^ FLIP;
-        if falling { sub(before, after) } else { sub(after, before) }
-    })
+    // SAFETY: from two bytes before the word to one byte after it.
+    let mean = |offset: usize| unsafe {
+        match *rows {
+            [a, b] => signed_halved_sum(word(a, 4 * at + offset - 2), word(b, 4 * at + offset - 2)),
+            [a, b, c, d] => signed_halved_sum(
+                signed_halved_sum(word(b, 4 * at + offset - 2), word(c, 4 * at + offset - 2)),
+                signed_halved_sum(word(a, 4 * at + offset - 2), word(d, 4 * at + offset - 2)),
+            ),
+            _ => 0,
+        }
+    };
+    let before = signed_halved_sum(mean(0), mean(1)) ^ FLIP;
+    let after = signed_halved_sum(mean(2), mean(3)) ^ FLIP;
+    if falling { sub(before, after) } else { sub(after, before) }
 }
 
 /// Sums of absolute differences of the four cells of a tile, 4 x 2 px each: left and right of the upper two rows, then of the
@@ -265,15 +263,15 @@ pub(crate) fn mean_across(row: &[u32], mean: Mean, out: &mut [u32]) {
             }
         }
         Mean::Five => {
-            for i in 1..last {
+            for (i, out) in out.iter_mut().enumerate().take(last).skip(1) {
                 // SAFETY: two bytes beyond word `i` on either side.
-                out[i] = unsafe { five(row, 4 * i) };
+                *out = unsafe { five(row, 4 * i) };
             }
         }
         Mean::Nine => {
-            for i in 1..last {
+            for (i, out) in out.iter_mut().enumerate().take(last).skip(1) {
                 // SAFETY: four bytes beyond word `i` on either side.
-                out[i] = unsafe { signed_halved_sum(five(row, 4 * i - 2), five(row, 4 * i + 2)) };
+                *out = unsafe { signed_halved_sum(five(row, 4 * i - 2), five(row, 4 * i + 2)) };
             }
         }
     }

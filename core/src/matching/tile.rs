@@ -1,6 +1,12 @@
 //! A tile of 8 x 4 px: its hypotheses, the extremum search among them, and the four labels that its cells choose from.
 //!
 //! A label is a disparity less the least one searched, 0 to 255, so that it fits a byte.
+#![expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_possible_wrap,
+    clippy::cast_sign_loss,
+    reason = "columns are below 1280, labels below 256"
+)]
 
 use crate::Config;
 use crate::front_end::camera_view::Row;
@@ -120,14 +126,7 @@ impl<'a, const WORDS: usize> TileRow<'a, WORDS> {
     /// - `hypotheses`: labels to try; those outside the search or the right view are passed over.
     /// - `left`, `above`: what the neighbours decided; more than 255 where there is none.
     #[inline(always)]
-    pub(crate) fn search(
-        &self,
-        trials: &mut Trials,
-        tile: usize,
-        hypotheses: &[u32],
-        left: u32,
-        above: u32,
-    ) -> Tile {
+    pub(crate) fn search(&self, trials: &mut Trials, tile: usize, hypotheses: &[u32], left: u32, above: u32) -> Tile {
         trials.clear();
         // Label 0 would begin at this byte of the right row; the window may lie in the margins, not beyond.
         let origin = 8 * tile as i32 + 4 - self.min_disparity;
@@ -166,9 +165,8 @@ impl<'a, const WORDS: usize> TileRow<'a, WORDS> {
         if self.settings.extremum {
             for step in 0..2 {
                 let middle = best.label;
-                sides = [middle.wrapping_sub(1), middle + 1].map(|label| {
-                    (label.wrapping_sub(lowest) <= highest - lowest).then(|| self.at(trials, at, label))
-                });
+                sides = [middle.wrapping_sub(1), middle + 1]
+                    .map(|label| (label.wrapping_sub(lowest) <= highest - lowest).then(|| self.at(trials, at, label)));
                 let start = best;
                 for side in sides.into_iter().flatten() {
                     let sum = side.sum + bias(side.label);

@@ -1,8 +1,14 @@
 //! Seeds: for each tile the disparities of the nearest contours that both views see.
+#![expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_possible_wrap,
+    clippy::cast_sign_loss,
+    reason = "columns are below 1280, labels below 256"
+)]
 
 use crate::Config;
 use crate::front_end::camera_view::{CameraView, Row};
-use crate::lanes::rows::{Window, responses};
+use crate::lanes::rows::{Window, response};
 use crate::lanes::{ONES, greatest, max, select_ge};
 
 /// Marks a tile without a seed on that side.
@@ -39,10 +45,14 @@ impl<const WORDS: usize> Contours<WORDS> {
     }
 
     /// Takes the strongest response of each tile, if it reaches `threshold`.
-    fn find(&mut self, rows: &[&[u32]], tiles: usize, falling: bool, threshold: u32) {
+    ///
+    /// - `words`: words of a row, margins included.
+    fn find(&mut self, rows: &[&[u32]], words: usize, falling: bool, threshold: u32) {
         self.len = 0;
-        for tile in 0..tiles {
-            let [a, b] = responses(rows, 2 * tile + 1, falling);
+        for tile in 0..(words - 2).div_ceil(2) {
+            let a = response(rows, 2 * tile + 1, falling);
+            // The last tile may be half beyond the view.
+            let b = if 2 * tile + 3 < words { response(rows, 2 * tile + 2, falling) } else { 0 };
             let most = greatest(max(a, b));
             let strength = most & 0xff;
             if strength < threshold {
@@ -85,14 +95,13 @@ impl<const WORDS: usize> TileSeeds<WORDS> {
         strong_noise: bool,
     ) {
         let first = i64::from(4 * tile_row);
-        let tiles = (words - 2).div_ceil(2);
         let falling = tile_row % 2 == 1;
         for (view, contours) in views.into_iter().zip([&mut self.left, &mut self.right]) {
             let row = |y: i64| &view.smooth(first + y)[..];
             if strong_noise {
-                contours.find(&[row(0), row(1), row(2), row(3)], tiles, falling, threshold);
+                contours.find(&[row(0), row(1), row(2), row(3)], words, falling, threshold);
             } else {
-                contours.find(&[row(1), row(2)], tiles, falling, threshold);
+                contours.find(&[row(1), row(2)], words, falling, threshold);
             }
         }
     }

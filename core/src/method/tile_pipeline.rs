@@ -1,13 +1,13 @@
 //! The pipeline of `full` and `lite`: rows in, tiles matched row by row, rows out, the work spread over the rows.
 
-use crate::answer::cell::{label, winner};
 use crate::answer::answer_row::{AnswerRow, Sources};
+use crate::answer::cell::{label, winner};
 use crate::answer::cell_row::CellRow;
 use crate::front_end::camera_view::{CameraView, TILE_ROWS, words_for};
 use crate::front_end::exposure::{Exposure, Gain};
 use crate::front_end::noise::{Noise, NoiseHistogram, SmoothingLevel};
+use crate::lanes::add;
 use crate::lanes::rows::Clips;
-use crate::lanes::{add, add_halves, sub_halves};
 use crate::matching::agreement::{Penalties, extend, normalised};
 use crate::matching::tile::{TileRow, TileSettings, Trials};
 use crate::matching::tile_seed::TileSeeds;
@@ -89,8 +89,8 @@ impl<const AGREEMENT: bool, const BLOCKS: usize> Tiled<AGREEMENT, BLOCKS> {
 }
 
 impl<const AGREEMENT: bool, const BLOCKS: usize, C> Tiled<AGREEMENT, BLOCKS, C> {
-    /// Rows that come in after a row before it goes out, at most.
-    pub const LATENCY: u32 = 13;
+    /// Rows that come in after a row before it goes out, at most: what is agreed with the row of cells below waits for it.
+    pub const LATENCY: u32 = if AGREEMENT { 13 } else { 11 };
 }
 
 impl<const AGREEMENT: bool, const BLOCKS: usize, C: StageClock> Tiled<AGREEMENT, BLOCKS, C> {
@@ -222,7 +222,7 @@ impl<const AGREEMENT: bool, const BLOCKS: usize, C: StageClock> Tiled<AGREEMENT,
         let mut left = NOBODY;
         let mut hypotheses = [0; 8];
         let mut trials = Trials::new();
-        for tile in 0..tiles {
+        for (tile, number) in (0..tiles).zip(0u32..) {
             let mut len = 0;
             let mut propose = |label: u32| {
                 hypotheses[len] = label;
@@ -247,11 +247,11 @@ impl<const AGREEMENT: bool, const BLOCKS: usize, C: StageClock> Tiled<AGREEMENT,
             match self.parts.seeds {
                 Seeds::Contours => self.seeds.nearest(tile).map(|label| propose(u32::from(label))),
                 Seeds::Random(seed) => [0, 1].map(|i| {
-                    let number = (tile_row * 1024 + tile as u32) * 2 + i;
+                    let number = (tile_row * 1024 + number) * 2 + i;
                     propose(scramble(seed ^ scramble(number)) % u32::from(self.config.num_disparities));
                 }),
                 Seeds::Grid => [0, 1].map(|i| {
-                    let step = (tile_row * 5 + tile as u32 * 3) % 8 + 8 * i;
+                    let step = (tile_row * 5 + number * 3) % 8 + 8 * i;
                     propose(step * u32::from(self.config.num_disparities) / 16);
                 }),
                 Seeds::None => [(); 2],
@@ -277,16 +277,16 @@ impl<const AGREEMENT: bool, const BLOCKS: usize, C: StageClock> Tiled<AGREEMENT,
         for tile in 0..tiles {
             let labels = self.labels[tile];
             let steps = penalties.steps(labels);
-            for row in 0..2 {
+            for (row, sum) in sums.iter_mut().enumerate() {
                 let message = if before == labels {
-                    penalties.same_labels(sums[row], steps)
+                    penalties.same_labels(*sum, steps)
                 } else {
-                    penalties.other_labels(sums[row], before, labels)
+                    penalties.other_labels(*sum, before, labels)
                 };
                 let first = extend(self.costs[row][2 * tile], message);
                 let second = extend(self.costs[row][2 * tile + 1], penalties.same_labels(first, steps));
                 (self.from_left[row][2 * tile], self.from_left[row][2 * tile + 1]) = (first, second);
-                sums[row] = second;
+                *sum = second;
             }
             before = labels;
         }
@@ -310,7 +310,10 @@ impl<const AGREEMENT: bool, const BLOCKS: usize, C: StageClock> Tiled<AGREEMENT,
         let mut lower_labels = lower_row.label[..2 * tiles].iter_mut().rev();
         let costs = [&self.costs[0], &self.costs[1]].map(|row| &row[..2 * tiles]);
         let lefts = [&self.from_left[0], &self.from_left[1]].map(|row| &row[..2 * tiles]);
-        let state = self.from_top[..2 * tiles].iter_mut().zip(&mut self.pending[..2 * tiles]).zip(&mut self.costs_above[..2 * tiles]);
+        let state = self.from_top[..2 * tiles]
+            .iter_mut()
+            .zip(&mut self.pending[..2 * tiles])
+            .zip(&mut self.costs_above[..2 * tiles]);
         let state = state.zip(lefts[0].iter().zip(lefts[1])).zip(costs[0].iter().zip(costs[1]));
         let mut state = state.rev();
         for (&labels, above_labels) in self.labels[..tiles].iter().zip(&mut self.labels_above[..tiles]).rev() {
@@ -473,7 +476,7 @@ impl<const AGREEMENT: bool, const BLOCKS: usize, C: StageClock> Tiled<AGREEMENT,
                 histogram.sample(rows, sampling.first, sampling.stride, sampling.weight, width);
             }
         }
-        if self.rows < 16 || self.rows % 8 == 0 {
+        if self.rows < 16 || self.rows.is_multiple_of(8) {
             let [left, right] = &self.histograms;
             self.noise = Noise::of(left, right, Gain::default());
             if !self.parts.smoothing {
