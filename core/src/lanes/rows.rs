@@ -115,13 +115,33 @@ pub(crate) fn gradient_down(rows: [&[u32]; 2], clips: Clips, out: &mut [u32]) {
     });
 }
 
-/// Haar responses of half-support 2 in a word: mean of two columns by the rows given, less that of the two columns before; 0
-/// where it falls (where it rises if `falling`).
+/// Haar responses of half-support 2 in the words `at` and `at + 1`: mean of two columns by the rows given, less that of the
+/// two columns before; 0 where it falls (where it rises if `falling`).
+#[inline(always)]
+pub(crate) fn responses(rows: &[&[u32]], at: usize, falling: bool) -> [u32; 2] {
+    for row in rows {
+        assert!(at + 3 <= row.len() && at > 0);
+    }
+    // SAFETY: there is a word on either side of both.
+    [at, at + 1].map(|at| unsafe { response_at(rows, at, falling) })
+}
+
+/// The same in the word `at` alone.
 #[inline(always)]
 pub(crate) fn response(rows: &[&[u32]], at: usize, falling: bool) -> u32 {
     for row in rows {
         assert!(at + 2 <= row.len() && at > 0);
     }
+    // SAFETY: there is a word on either side.
+    unsafe { response_at(rows, at, falling) }
+}
+
+/// The response in a word.
+///
+/// # Safety
+/// All rows must have a word before and one after it.
+#[inline(always)]
+unsafe fn response_at(rows: &[&[u32]], at: usize, falling: bool) -> u32 {
     // SAFETY: from two bytes before the word to one byte after it.
     let mean = |offset: usize| unsafe {
         match *rows {

@@ -8,7 +8,7 @@
 
 use crate::Config;
 use crate::front_end::camera_view::{CameraView, Row};
-use crate::lanes::rows::{Window, response};
+use crate::lanes::rows::{Window, response, responses};
 use crate::lanes::{ONES, greatest, max, select_ge};
 
 /// Marks a tile without a seed on that side.
@@ -50,9 +50,10 @@ impl<const WORDS: usize> Contours<WORDS> {
     fn find(&mut self, rows: &[&[u32]], words: usize, falling: bool, threshold: u32) {
         self.len = 0;
         for tile in 0..(words - 2).div_ceil(2) {
-            let a = response(rows, 2 * tile + 1, falling);
+            let at = 2 * tile + 1;
             // The last tile may be half beyond the view.
-            let b = if 2 * tile + 3 < words { response(rows, 2 * tile + 2, falling) } else { 0 };
+            let is_whole = at + 2 < words;
+            let [a, b] = if is_whole { responses(rows, at, falling) } else { [response(rows, at, falling), 0] };
             let most = greatest(max(a, b));
             let strength = most & 0xff;
             if strength < threshold {
