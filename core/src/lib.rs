@@ -21,18 +21,24 @@
 //! let rig = Rig::new(200 << 8, 60_000).unwrap(); // 200 px focal length, 60 mm between the cameras
 //! let mut nearest = None;
 //! let mut look = |row: haarline::DisparityRow<'_>| {
-//!     for &disparity in row.disparity {
-//!         if let Depth::Millimetres(mm) = rig.depth(disparity) {
+//!     for (&disparity, &confidence) in row.disparity.iter().zip(row.confidence) {
+//!         // Less than 16 is a guess.
+//!         if let (16.., Depth::Millimetres(mm)) = (confidence, rig.depth(disparity)) {
 //!             nearest = Some(nearest.map_or(mm, |least: u32| least.min(mm)));
 //!         }
 //!     }
 //! };
-//! for _ in 0..240 {
-//!     let (left, right) = ([90; 320], [90; 320]); // from the cameras
+//! for y in 0..240u32 {
+//!     // From the cameras; here a wall that the right one sees 8 px further left.
+//!     let wall = |x: u32| (((x / 3).wrapping_mul(2_654_435_761) ^ (y / 3).wrapping_mul(40_503)) >> 16) as u8;
+//!     let (mut left, mut right) = ([0; 320], [0; 320]);
+//!     for ((x, left), right) in (0..).zip(&mut left).zip(&mut right) {
+//!         (*left, *right) = (wall(x), wall(x + 8));
+//!     }
 //!     stereo.push(ScanlinePair { left: &left, right: &right }, &mut look).unwrap();
 //! }
 //! stereo.finish(&mut look); // the last rows of the frame
-//! assert_eq!(nearest, None); // a blank wall is unknown, not far away
+//! assert!(nearest.is_some_and(|mm| mm.abs_diff(1500) < 50)); // 200 px * 60 mm / 8 px
 //! # Ok::<(), haarline::ConfigError>(())
 //! ```
 #![no_std]
@@ -42,6 +48,7 @@
 mod answer;
 mod camera;
 mod front_end;
+mod lanes;
 mod matching;
 mod method;
 mod output;
@@ -61,6 +68,7 @@ pub use answer::disparity;
 pub use camera::{counters, framing, rectify, scanline, wiring};
 pub use front_end::{contour, curvature, haar, reading, scales};
 pub use matching::extremum;
+pub use method::tile_pipeline;
 pub use method::{contour_stereo, envelope, full, lite, parts, pipeline, stereo, wavelet_block};
 #[cfg(feature = "packet")]
 pub use output::packet;
@@ -76,7 +84,7 @@ pub use fill::fill_holes;
 pub use full::Full;
 pub use lite::Lite;
 pub use obstacle::Obstacles;
-pub use parts::Parts;
+pub use parts::{Parts, Seeds};
 pub use pipeline::blocks_for;
 pub use reading::Reading;
 pub use rectify::{Offset, Paired, Ramp, Rectified, RectifiedRow, Rectifier};

@@ -37,6 +37,7 @@ const SGM: Subject = Subject {
     },
     build_widest: |config| Box::new(Sgm::<{ Config::MAX_WIDTH as usize }, { words_for(24) }>::new(config).unwrap()),
     latency: 3,
+    guesses: false,
 };
 
 // Not those of views without texture and of answers inside the right view, since it answers everything among all

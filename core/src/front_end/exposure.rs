@@ -27,6 +27,16 @@ impl Exposure {
         Self { total: 0, over_quarter: 0, over_half: 0 }
     }
 
+    /// Takes every `stride`-th pixel from `first` on into account.
+    pub(crate) fn sample(&mut self, pixels: &[u8], first: usize, stride: usize) {
+        for &pixel in pixels.iter().skip(first).step_by(stride) {
+            self.total += 1;
+            self.over_quarter += u32::from(pixel >= 64);
+            self.over_half += u32::from(pixel >= 128);
+        }
+        self.bound();
+    }
+
     pub(crate) fn add(&mut self, pixels: &[u8]) {
         let looked_at = pixels.len().div_ceil(STRIDE);
         count::additions(3 * looked_at);
@@ -36,7 +46,11 @@ impl Exposure {
             self.over_quarter += u32::from(pixel >= 64);
             self.over_half += u32::from(pixel >= 128);
         }
-        // Halved long before 32 bits are full, whatever the frame's height.
+        self.bound();
+    }
+
+    /// Halves the counts long before 32 bits are full, whatever the frame's height.
+    fn bound(&mut self) {
         if self.total >= 1 << 24 {
             (self.total, self.over_quarter, self.over_half) =
                 (self.total / 2, self.over_quarter / 2, self.over_half / 2);
@@ -56,6 +70,11 @@ impl Exposure {
 }
 
 impl Gain {
+    /// How many times grey levels are doubled.
+    pub(crate) const fn doublings(self) -> u32 {
+        self.0
+    }
+
     /// `sum / 2^shift` with the gain, rounded and saturated; `shift` is 0, or more than any gain.
     #[inline]
     pub(crate) fn scale(self, sum: u16, shift: u32) -> u8 {

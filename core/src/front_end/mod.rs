@@ -1,6 +1,7 @@
 //! What is kept of a row: `exposure` and `noise` judge it, `view` smooths it and makes features of it by the
 //! filters of `haar`, a `ring` keeps the newest ones, and `contour` finds what the views are matched by.
 
+pub(crate) mod camera_view;
 pub mod contour;
 pub mod curvature;
 pub(crate) mod exposure;

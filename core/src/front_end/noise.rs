@@ -5,6 +5,7 @@ use crate::front_end::exposure::Gain;
 use crate::front_end::haar::difference_121;
 use crate::front_end::reading::Reading;
 use crate::front_end::ring::MARGIN;
+use crate::lanes::rows::{Mean, load};
 
 const BINS: usize = 64;
 /// One pixel in so many is looked at.
@@ -52,6 +53,30 @@ impl NoiseHistogram {
             self.total += 1;
         }
         // A row adds at most 1280 / 4 counts, so the total cannot pass the u16 in between.
+        if self.total >= FULL {
+            self.total = 0;
+            for bin in &mut self.bins {
+                *bin /= 2;
+                self.total += *bin;
+            }
+        }
+    }
+
+    /// Takes every `stride`-th pixel of the row between `above` and `below`, from `first` on, into account; signed rows in
+    /// words, with a word of margin.
+    pub(crate) fn sample(&mut self, rows: [&[u32]; 3], first: usize, stride: usize, weight: u16, width: usize) {
+        let mut x = first.max(1);
+        while x + 1 < width {
+            let [a, b, c] = rows.map(|row| {
+                let word = load(row, x + 3);
+                let of = |lane: usize| i32::from(word.to_le_bytes()[lane].cast_signed());
+                difference_121(of(0), of(1), of(2))
+            });
+            let second = difference_121(a, b, c).unsigned_abs() as usize;
+            self.bins[second.min(BINS - 1)] += weight;
+            self.total += weight;
+            x += stride;
+        }
         if self.total >= FULL {
             self.total = 0;
             for bin in &mut self.bins {
@@ -116,15 +141,27 @@ impl SmoothingLevel {
     }
 }
 
+impl SmoothingLevel {
+    /// The means down and along the row; none where rows stay as they came.
+    pub(crate) const fn means(self) -> Option<(Mean, Mean)> {
+        match self {
+            Self::Off => None,
+            Self::Light => Some((Mean::Three, Mean::Three)),
+            Self::Medium => Some((Mean::Five, Mean::Five)),
+            Self::Strong => Some((Mean::Five, Mean::Nine)),
+        }
+    }
+}
+
 impl Noise {
     pub(crate) fn of(left: &NoiseHistogram, right: &NoiseHistogram, gain: Gain) -> Self {
         // The lower view decides: texture only ever adds to the estimate.
         let least = |percent| gain.apply(left.percentile(percent).min(right.percentile(percent)));
         // sigma 2.5, 5 and 15 grey levels at the 30th percentile
         let level = match least(30) {
-            0..92 => SmoothingLevel::Off,
-            92..185 => SmoothingLevel::Light,
-            185..554 => SmoothingLevel::Medium,
+            0..110 => SmoothingLevel::Off,
+            110..150 => SmoothingLevel::Light,
+            150..554 => SmoothingLevel::Medium,
             _ => SmoothingLevel::Strong,
         };
         Self { floor: u16::try_from(least(10)).unwrap_or(u16::MAX), level }

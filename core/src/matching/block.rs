@@ -113,7 +113,6 @@ pub struct BlockRows<const BLOCKS: usize> {
 pub(crate) struct Begun<'a> {
     pub(crate) row: &'a mut [Option<Block>],
     pub(crate) above: Option<&'a mut [Option<Block>]>,
-    pub(crate) second_above: Option<&'a [Option<Block>]>,
 }
 
 /// The row that is answered, with those above and below it.
@@ -142,13 +141,9 @@ impl<const BLOCKS: usize> BlockRows<BLOCKS> {
         self.rows.rotate_left(1);
         let started = self.started;
         self.started += 1;
-        let [second_above, above, row] = &mut self.rows;
+        let [_, above, row] = &mut self.rows;
         row.fill(None);
-        Begun {
-            row: row.get_mut(..count).unwrap_or(&mut []),
-            above: above.get_mut(..count).filter(|_| started > 0),
-            second_above: second_above.get(..count).filter(|_| started > 1),
-        }
+        Begun { row: row.get_mut(..count).unwrap_or(&mut []), above: above.get_mut(..count).filter(|_| started > 0) }
     }
 
     /// The row of `count` blocks that can be answered: the last but one, or at the end of the frame

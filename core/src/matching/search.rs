@@ -1,14 +1,9 @@
-//! The search of one block: few hypotheses, the cheapest wins, a walk to the minimum.
+//! Where the search of a block begins: few hypotheses, and the cheapest of them wins.
 
 use crate::count;
 use crate::matching::block::Block;
 use crate::matching::cost::BlockCost;
-use crate::matching::extremum::{Minimum, descend};
 use crate::matching::label::{Label, Labels};
-use crate::matching::seed::Seeds;
-
-/// Steps of the walk from the best hypothesis.
-const STEPS: u8 = 1;
 
 /// What a hypothesis pays for leaving the disparity of the block left or above, in units of the cost.
 #[derive(Debug, Clone, Copy)]
@@ -19,18 +14,17 @@ pub(crate) struct Bias {
     pub(crate) far: i32,
 }
 
-/// What the blocks decided before say, px: left, above, above left, above right.
+/// What the blocks decided before say, px.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Decided {
     pub(crate) left: Option<i32>,
-    pub(crate) above: [Option<i32>; 3],
+    pub(crate) above: Option<i32>,
 }
 
 impl Decided {
     /// Goes on to a block: what the row above says of it. Who decides the blocks tells the left one.
     pub(crate) fn look_up(&mut self, above: Option<&[Option<Block>]>, index: usize) {
-        let at = |block: Option<usize>| above?.get(block?)?.as_ref().map(Block::px);
-        self.above = [Some(index), index.checked_sub(1), Some(index + 1)].map(at);
+        self.above = above.and_then(|above| above.get(index)?.as_ref()).map(Block::px);
     }
 
     /// What a disparity pays for leaving the neighbours'.
@@ -43,45 +37,8 @@ impl Decided {
             Some(1) => bias.near,
             Some(_) => bias.far,
         };
-        pay(self.left) + pay(self.above[0])
+        pay(self.left) + pay(self.above)
     }
-
-    /// All disparities worth trying: of the nearest seeds, their mean, and the decided blocks'.
-    pub(crate) fn hypotheses<const BLOCKS: usize>(
-        self,
-        seeds: &Seeds<BLOCKS>,
-        index: usize,
-        use_seeds: bool,
-    ) -> impl Iterator<Item = i32> {
-        let (left, right) = if use_seeds { seeds.nearest(index) } else { (None, None) };
-        let mean = left.zip(right).map(|(a, b)| (a + b).div_euclid(2));
-        let [above, above_left, above_right] = self.above;
-        [left, right, mean, above, above_left, above_right, self.left].into_iter().flatten()
-    }
-}
-
-/// Finds the disparity of one block. Everything that was evaluated is left in `labels`.
-///
-/// The hypothesis of the least cost and bias wins; from there the extremum search with its shortest
-/// support walks at most one step, so that both its neighbours are known as well; without `walk` it
-/// stays.
-pub(crate) fn search_block<const WIDTH: usize, const N: usize>(
-    cost: &BlockCost<'_, WIDTH>,
-    index: usize,
-    hypotheses: impl Iterator<Item = i32>,
-    decided: Decided,
-    bias: Bias,
-    walk: bool,
-    labels: &mut Labels<N>,
-) -> Option<Minimum> {
-    let start = best_hypothesis(cost, index, hypotheses, decided, bias, labels)?;
-    if !walk {
-        return Some(Minimum { at: start.disparity, cost: start.cost, before: None, after: None });
-    }
-    Some(descend(start.disparity, start.cost, STEPS, |d| {
-        count::comparisons(1);
-        labels.cost_or(d, || cost.of(index, d))
-    }))
 }
 
 /// The hypothesis of the least cost and bias; all of them become labels.

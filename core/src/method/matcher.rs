@@ -3,7 +3,6 @@
 
 use crate::Config;
 use crate::answer::texture::Texture;
-use crate::front_end::noise::Noise;
 use crate::front_end::reading::Reading;
 use crate::front_end::ring::MARGIN;
 use crate::front_end::view::View;
@@ -38,9 +37,6 @@ pub trait Matcher<const FEATURE_ROWS: usize, const BLOCKS: usize> {
 pub struct Stage<'a, const FEATURE_ROWS: usize, const BLOCKS: usize> {
     pub(crate) config: &'a Config,
     pub(crate) seeds: &'a Seeds<BLOCKS>,
-    pub(crate) noise: Noise,
-    /// Mean grey level of each block, left view.
-    pub(crate) grey: &'a [u8; BLOCKS],
     pub(crate) texture: Texture,
     pub(crate) parts: Parts,
     pub(crate) left: &'a View<FEATURE_ROWS, BLOCKS>,

@@ -1,5 +1,6 @@
-//! The methods, all behind the interface `stereo`: `full`, `lite` and `wavelet_block` are each a `matcher` in
-//! the `pipeline` for blocks, `contour_stereo` and `envelope` measure points in the `sparse` one.
+//! The methods, all behind the interface `stereo`: `full` and `lite` are the `tile_pipeline` with and without agreement,
+//! `wavelet_block` is a `matcher` in the `pipeline` for blocks, `contour_stereo` and `envelope` measure points in the
+//! `sparse` one.
 
 mod block_row;
 pub mod contour_stereo;
@@ -11,4 +12,5 @@ pub mod parts;
 pub mod pipeline;
 mod sparse;
 pub mod stereo;
+pub mod tile_pipeline;
 pub mod wavelet_block;

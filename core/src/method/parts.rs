@@ -1,29 +1,38 @@
 //! Which parts of a method take part: for ablations.
 
-/// The parts of a method that can be left out to see what they bring. A product takes
-/// [`Parts::ALL`]. The parts are those of [`Full`](crate::Full); [`Lite`](crate::Lite) has no agreement,
-/// never tries all disparities, and without seeds it finds nothing.
+/// The parts of a method that can be left out or replaced to see what they bring. A product takes
+/// [`Parts::ALL`]. The parts are those of [`Full`](crate::Full); [`Lite`](crate::Lite) has no agreement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Parts {
-    /// Hypotheses from contour seeds. Without: from neighbours, and all disparities in the first
-    /// block row.
-    pub seeds: bool,
-    /// The walk of the extremum search from the best hypothesis.
+    /// Where the hypotheses come from that no neighbour has.
+    pub seeds: Seeds,
+    /// The step of the extremum search from the best hypothesis.
     pub extremum: bool,
-    /// The agreement of neighbours. Without: each block's greedy choice stands.
+    /// The agreement of neighbours. Without: each cell takes its least cost.
     pub agreement: bool,
     /// Pre-smoothing by the noise level.
     pub smoothing: bool,
     /// The texture test.
     pub texture: bool,
-    /// Instead of hypotheses every block tries all disparities.
-    pub exhaustive: bool,
+}
+
+/// Two hypotheses for each tile besides its neighbours' labels.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Seeds {
+    /// The nearest contours that both views see.
+    Contours,
+    /// Random disparities, from this seed.
+    Random(u32),
+    /// A regular grid over the search range, moved on from tile to tile.
+    Grid,
+    /// None at all; the first tile of a frame begins in the middle of the range.
+    None,
 }
 
 impl Parts {
-    /// Everything, and hypotheses instead of all disparities.
+    /// Everything.
     pub const ALL: Self =
-        Self { seeds: true, extremum: true, agreement: true, smoothing: true, texture: true, exhaustive: false };
+        Self { seeds: Seeds::Contours, extremum: true, agreement: true, smoothing: true, texture: true };
 }
 
 impl Default for Parts {

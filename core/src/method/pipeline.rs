@@ -1,4 +1,4 @@
-//! The pipeline that all methods of the core share: rows in, block rows to a matcher, rows out.
+//! The pipeline for blocks: rows in, block rows to a matcher, rows out.
 
 use crate::answer::consistency::answer;
 use crate::answer::texture::Texture;
@@ -27,7 +27,7 @@ const FEATURE_LAG: u32 = SMOOTH_LAG + 1;
 /// ```
 /// use haarline::{Lite, blocks_for};
 /// type Qvga = Lite<{ blocks_for(320) }>;
-/// assert!(size_of::<Qvga>() <= 16 * 1024);
+/// assert!(size_of::<Qvga>() <= 22 * 1024);
 /// ```
 #[must_use]
 pub const fn blocks_for(width: u16) -> usize {
@@ -51,8 +51,6 @@ pub struct Pipeline<M, const FEATURE_ROWS: usize, const BLOCKS: usize, C = Untim
     exposure: Exposure,
     noise: Noise,
     seeds: Seeds<BLOCKS>,
-    /// Mean grey level of each block of the row that is due, left view.
-    grey: [u8; BLOCKS],
     blocks: BlockRows<BLOCKS>,
     pub(crate) matcher: M,
     /// Rows of this frame pushed or missed so far.
@@ -132,7 +130,6 @@ where
             exposure: Exposure::new(),
             noise: Noise::default(),
             seeds: Seeds::new(),
-            grey: [0; BLOCKS],
             blocks: BlockRows::new(),
             matcher: M::default(),
             rows: 0,
@@ -175,11 +172,10 @@ where
         }
     }
 
-    /// Contours and grey levels of the block row whose four smoothed rows are the newest.
+    /// Contours of the block row whose four smoothed rows are the newest.
     fn find_contours(&mut self, width: usize) {
         let first = i64::from(self.left.smooth.len() - SIZE_U32);
         let mut sums = [[0u16; 4]; BLOCKS];
-        // The left view last: its sums serve for the grey levels, too.
         let views = [(&self.right, &mut self.seeds.right), (&self.left, &mut self.seeds.left)];
         for (view, contours) in views {
             let sums = sums.as_flattened_mut();
@@ -193,11 +189,6 @@ where
             count::subtractions(3 * line.len());
             count::comparisons(6 * line.len());
             contours.find(line, -i32::from(HALF_SUPPORT), HALF_SUPPORT, CONTOUR_THRESHOLD);
-        }
-        count::additions(self.config.blocks() * SIZE);
-        for (grey, columns) in self.grey.iter_mut().zip(sums.iter().skip(MARGIN / SIZE)) {
-            let sum: u16 = columns.iter().sum(); // 16 pixels, so below 2^12
-            *grey = u8::try_from(sum / 16).unwrap_or(u8::MAX);
         }
     }
 
@@ -217,8 +208,6 @@ where
         let stage = Stage {
             config: &self.config,
             seeds: &self.seeds,
-            noise: self.noise,
-            grey: &self.grey,
             texture: self.texture(),
             parts: self.parts,
             left: &self.left,

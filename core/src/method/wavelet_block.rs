@@ -154,8 +154,9 @@ fn best_start<const BLOCKS: usize>(
     decided: Decided,
     labels: &mut Labels<LABELS>,
 ) -> Option<Label> {
-    let (left, right) = if stage.parts.seeds { stage.seeds.nearest(index) } else { (None, None) };
-    let starts = [left, right, decided.above[0], decided.left].into_iter().flatten();
+    let (left, right) =
+        if matches!(stage.parts.seeds, crate::Seeds::Contours) { stage.seeds.nearest(index) } else { (None, None) };
+    let starts = [left, right, decided.above, decided.left].into_iter().flatten();
     best_hypothesis(cost, index, starts, decided, BIAS, labels)
 }
 

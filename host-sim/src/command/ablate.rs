@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::shared::{Benchmark, JsonOutput, progress};
 use super::{natural_number, number};
-use crate::score::ablation::{self, Ablation, Trial, Variant};
+use crate::score::ablation::{self, Ablation, Repeated, Trial, Variant};
 use crate::{output, score::evaluation};
 
 /// Arguments of `haarline ablate`.
@@ -28,6 +28,9 @@ pub(super) struct Args {
     /// Seed of the noise
     #[arg(long, value_name = "S", default_value_t = 0, allow_hyphen_values = true, value_parser = natural_number)]
     seed: u64,
+    /// With how many seeds contours are compared with random disparities and a regular grid, 0 to 100
+    #[arg(long, value_name = "N", default_value_t = 5, allow_hyphen_values = true, value_parser = natural_number)]
+    repeats: u64,
     #[command(flatten)]
     json: JsonOutput,
     /// Writes the tables as CSV
@@ -41,6 +44,8 @@ struct Json<'a> {
     scenes: usize,
     baselines: Option<&'a Path>,
     trials: &'a [Trial],
+    /// Where hypotheses come from, at equal numbers.
+    hypotheses: &'a [Repeated],
 }
 
 impl Args {
@@ -49,14 +54,16 @@ impl Args {
             ensure!((0.0..=255.0).contains(noise), "--noise {noise}: must be 0 to 255");
             ensure!(!self.noise[..index].contains(noise), "--noise {noise}: is given twice");
         }
+        ensure!(self.repeats <= 100, "--repeats {}: must be 0 to 100", self.repeats);
         let folders = self.benchmark.folders()?;
         self.check_outputs(&folders)?;
         let scenes = evaluation::load(&folders)?;
         let baselines = self.benchmark.read_baselines()?;
         let ablation = Ablation { scenes: &scenes, baselines: baselines.as_ref(), seed: self.seed };
         let trials = self.try_all(&ablation)?;
+        let hypotheses = self.repeat_all(&ablation)?;
         let baselines = baselines.as_ref().map(|baselines| baselines.path.as_path());
-        let json = Json { seed: self.seed, scenes: scenes.len(), baselines, trials: &trials };
+        let json = Json { seed: self.seed, scenes: scenes.len(), baselines, trials: &trials, hypotheses: &hypotheses };
         self.deliver(&json)
     }
 
@@ -76,11 +83,28 @@ impl Args {
         trials
     }
 
+    fn repeat_all(&self, ablation: &Ablation<'_>) -> Result<Vec<Repeated>> {
+        if self.repeats == 0 {
+            return Ok(Vec::new());
+        }
+        let runs: u64 = self.noise.iter().map(|&noise| ablation::repeats(noise, self.repeats)).sum();
+        let bar = progress(runs as usize * ablation.scenes.len(), "scenes")?;
+        let all = self.noise.iter().flat_map(|&noise| Variant::SOURCES.map(|source| (source, noise)));
+        let done = || bar.inc(1);
+        let found = all.map(|(source, noise)| ablation.repeat(source, noise, self.repeats, &done)).collect();
+        bar.finish_and_clear();
+        found
+    }
+
     fn deliver(&self, json: &Json<'_>) -> Result<()> {
         if let Some(path) = &self.csv {
             output::write(path, &ablation::encode_csv(json.trials)?)?;
         }
-        let text = || ablation::text(json.trials, json.scenes, &self.benchmark.scenes, self.seed);
+        let text = || {
+            let sources =
+                if json.hypotheses.is_empty() { String::new() } else { ablation::sources_text(json.hypotheses) };
+            ablation::text(json.trials, json.scenes, &self.benchmark.scenes, self.seed) + &sources
+        };
         self.json.deliver(|| Ok(serde_json::to_string_pretty(json)? + "\n"), text)
     }
 }

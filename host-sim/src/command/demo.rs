@@ -4,15 +4,16 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Result, ensure};
 use clap::ValueEnum;
+use haarline::obstacle::Settings;
 use serde::Serialize;
 
 use super::shared::quoted;
 use super::{natural_number, number, print};
 use crate::output::colour_range::ColourRange;
 use crate::output::{self, encode_grey_png, picture};
-use crate::score::Score;
 use crate::score::report::table;
 use crate::score::scene::{Meta, RIG_FILE};
+use crate::score::{LEAST_DEFAULT_CONFIDENCE, Score};
 use crate::stereo::method::MethodKind;
 use crate::stereo::pipeline::{self, Run};
 use crate::synthetic::folder::{self, NamedFile};
@@ -78,8 +79,11 @@ struct Figures {
     #[serde(flatten)]
     score: Score,
     wall_pixels: u64,
+    /// Of the default answers, those of confidence 16 and more.
     wall_answered_percent: f64,
     wall_wrong_percent: f64,
+    /// Of those that are sure enough to be an obstacle.
+    wall_sure_wrong_percent: f64,
     /// The parts of the yard.
     regions: Vec<RegionScore>,
     folder: PathBuf,
@@ -143,7 +147,8 @@ impl Args {
         milliseconds: f64,
         files: &[NamedFile],
     ) -> Result<Figures> {
-        let BlankScore { pixels, answered, wrong } = rendering.blank_score(map);
+        let BlankScore { pixels, answered, wrong } = rendering.blank_score(map, LEAST_DEFAULT_CONFIDENCE);
+        let sure = rendering.blank_score(map, Settings::SURE);
         let percent = |count: u64| 100.0 * count as f64 / pixels.max(1) as f64;
         Ok(Figures {
             method: self.method.name(),
@@ -155,6 +160,7 @@ impl Args {
             wall_pixels: pixels,
             wall_answered_percent: percent(answered),
             wall_wrong_percent: percent(wrong),
+            wall_sure_wrong_percent: percent(sure.wrong),
             regions: match self.scene {
                 SceneKind::Yard => RegionScore::all(&YARD, rendering, map),
                 SceneKind::Room | SceneKind::Rover => Vec::new(),
@@ -210,7 +216,7 @@ impl Figures {
             text += &region_table(&self.regions);
         } else if self.wall_pixels > 0 {
             text += &format!(
-                "blank wall, {} pixels without texture: {:.2} % answered, {:.2} % wrong by more than 2 px\n",
+                "blank wall, {} pixels without texture: {:.2} % answered by more than a guess, {:.2} % wrong by more than 2 px\n",
                 self.wall_pixels, self.wall_answered_percent, self.wall_wrong_percent,
             );
         }

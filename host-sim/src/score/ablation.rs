@@ -5,8 +5,7 @@ use std::path::Path;
 
 use anyhow::{Context, Result};
 use comfy_table::Table;
-use haarline::full::Exhaustive;
-use haarline::{Config, ConfigError, Full, Parts, StereoMethod, blocks_for};
+use haarline::{Config, ConfigError, Full, Parts, Seeds, StereoMethod, blocks_for};
 use serde::Serialize;
 
 use crate::score::baselines::Baselines;
@@ -31,23 +30,41 @@ pub struct Variant {
 #[derive(Debug, Clone, Copy)]
 enum Kind {
     Full(Parts),
-    Exhaustive,
     Other(MethodKind),
 }
 
 impl Variant {
     /// All of them, the whole method first.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 8] = [
         Self { name: "full", kind: Kind::Full(Parts::ALL) },
-        Self { name: "without seeds", kind: Kind::Full(Parts { seeds: false, ..Parts::ALL }) },
+        Self { name: "without seeds", kind: Kind::Full(Parts { seeds: Seeds::None, ..Parts::ALL }) },
         Self { name: "without extremum step", kind: Kind::Full(Parts { extremum: false, ..Parts::ALL }) },
         Self { name: "without agreement", kind: Kind::Full(Parts { agreement: false, ..Parts::ALL }) },
         Self { name: "without smoothing", kind: Kind::Full(Parts { smoothing: false, ..Parts::ALL }) },
         Self { name: "without texture test", kind: Kind::Full(Parts { texture: false, ..Parts::ALL }) },
-        Self { name: "exhaustive search", kind: Kind::Exhaustive },
         Self { name: "lite", kind: Kind::Other(MethodKind::Lite) },
         Self { name: "block", kind: Kind::Other(MethodKind::Block) },
     ];
+
+    /// Where hypotheses may come from that no neighbour has, as many a tile each, and none: `full` with each.
+    pub const SOURCES: [Self; 4] = [
+        Self { name: "contours", kind: Kind::Full(Parts::ALL) },
+        Self { name: "random disparities", kind: Kind::Full(Parts { seeds: Seeds::Random(0), ..Parts::ALL }) },
+        Self { name: "regular grid", kind: Kind::Full(Parts { seeds: Seeds::Grid, ..Parts::ALL }) },
+        Self { name: "neighbours only", kind: Kind::Full(Parts { seeds: Seeds::None, ..Parts::ALL }) },
+    ];
+
+    /// The same with another seed, where it draws random disparities; `None` where it draws none.
+    fn with_seed(self, seed: u64) -> Option<Self> {
+        match self.kind {
+            Kind::Full(parts @ Parts { seeds: Seeds::Random(_), .. }) => {
+                // Any 32 bits do.
+                let seeds = Seeds::Random(seed as u32);
+                Some(Self { kind: Kind::Full(Parts { seeds, ..parts }), ..self })
+            }
+            _ => None,
+        }
+    }
 
     /// An instance for rows of up to [`Config::MAX_WIDTH`] px.
     ///
@@ -59,10 +76,6 @@ impl Variant {
             Kind::Full(parts) => {
                 on_large_stack(|| -> Built { Ok(Box::new(Full::<BLOCKS>::with_parts(config, parts)?)) })
             }
-            Kind::Exhaustive => on_large_stack(|| -> Built {
-                let parts = Parts { exhaustive: true, ..Parts::ALL };
-                Ok(Box::new(Exhaustive::<BLOCKS>::with_parts(config, parts)?))
-            }),
             Kind::Other(method) => method.build(config),
         }
     }
@@ -99,6 +112,36 @@ pub struct Trial {
     pub scenes: BTreeMap<String, Score>,
 }
 
+/// A source of hypotheses at one level of noise, with several seeds of the noise and of what is random.
+#[derive(Debug, Clone, Serialize)]
+pub struct Repeated {
+    /// The source.
+    pub hypotheses: &'static str,
+    /// Standard deviation of the noise, grey levels.
+    pub noise: f64,
+    /// How many seeds there were; one where none changes anything.
+    pub seeds: u64,
+    /// The mean over seeds of the mean over scenes.
+    pub mean: Score,
+    /// The standard deviation over seeds of each of [`SPREAD`].
+    pub deviation: BTreeMap<&'static str, f64>,
+}
+
+/// The figures that are told with their spread over seeds.
+const SPREAD: [&str; 4] = ["tot05", "tot1", "tot2", "off10"];
+
+impl Repeated {
+    fn of(hypotheses: &'static str, noise: f64, runs: &[Score]) -> Result<Self> {
+        let mean = Score::mean(runs).context("no seed")?;
+        let deviation = |key: &'static str| {
+            let off = runs.iter().filter_map(|run| Some(run.figure(key)? - mean.figure(key)?));
+            (key, (off.map(|off| off * off).sum::<f64>() / (runs.len().max(2) - 1) as f64).sqrt())
+        };
+        let deviation = SPREAD.map(deviation).into();
+        Ok(Self { hypotheses, noise, seeds: runs.len() as u64, mean, deviation })
+    }
+}
+
 /// What is to be tried.
 pub struct Ablation<'a> {
     /// The scenes, sorted by name.
@@ -133,6 +176,33 @@ impl Ablation<'_> {
         let scenes = scores.into_iter().map(|scene| (scene.name, scene.score.all)).collect();
         Ok(Trial { variant: variant.name, noise, mean, default_answers, cost, scenes })
     }
+}
+
+impl Ablation<'_> {
+    /// Tries a source of hypotheses with `seeds` seeds from this one's on; `done` is called after each scene.
+    ///
+    /// # Errors
+    /// The first scene's in their order, if some fail.
+    pub fn repeat(&self, source: Variant, noise: f64, seeds: u64, done: &(impl Fn() + Sync)) -> Result<Repeated> {
+        let run = |seed| {
+            let variant = source.with_seed(seed).unwrap_or(source);
+            Ok(Self { seed, ..*self }.try_out(variant, noise, done)?.mean)
+        };
+        let seeds = if is_drawn(source, noise) { seeds } else { 1 };
+        let runs: Vec<Score> = (self.seed..self.seed + seeds).map(run).collect::<Result<_>>()?;
+        Repeated::of(source.name, noise, &runs)
+    }
+}
+
+/// Whether anything is drawn at random, so that another seed gives other figures.
+fn is_drawn(source: Variant, noise: f64) -> bool {
+    noise > 0.0 || source.with_seed(0).is_some()
+}
+
+/// How often all scenes are tried for [`Ablation::repeat`] of all sources.
+#[must_use]
+pub fn repeats(noise: f64, seeds: u64) -> u64 {
+    Variant::SOURCES.iter().map(|&source| if is_drawn(source, noise) { seeds } else { 1 }).sum()
 }
 
 /// The core's counters, where they are built in.
@@ -184,6 +254,27 @@ pub fn text(trials: &[Trial], scenes: usize, folder: &Path, seed: u64) -> String
         text += HOW_TO_COUNT;
     }
     text
+}
+
+/// The sources of hypotheses as text, a table for each level of noise.
+#[must_use]
+pub fn sources_text(repeated: &[Repeated]) -> String {
+    let mut text = "\nwhere hypotheses come from that no neighbour has, as many a tile each\n".to_owned();
+    for group in repeated.chunk_by(|one, other| one.noise == other.noise) {
+        let what = if group[0].noise > 0.0 { format!("noise {}", group[0].noise) } else { "clean frames".to_owned() };
+        let heads = ["hypotheses", "seeds"].into_iter().chain(SPREAD);
+        let mut table = report::table(heads.collect::<Vec<_>>(), 1);
+        for run in group {
+            let mut cells = vec![run.hypotheses.to_owned(), run.seeds.to_string()];
+            cells.extend(SPREAD.map(|key| {
+                let deviation = run.deviation.get(key).copied().unwrap_or(0.0);
+                format!("{} +- {deviation:.2}", format_figure(run.mean.figure(key)))
+            }));
+            table.add_row(cells);
+        }
+        text += &format!("\n{what}\n{}\n", table.trim_fmt());
+    }
+    text + "\nmean and standard deviation over the seeds, of the noise and of what is random.\n"
 }
 
 fn table(trials: &[Trial]) -> Table {
@@ -266,6 +357,22 @@ mod tests {
         assert!(!text.contains("--features"), "{text}");
         let uncounted: Vec<Trial> = trials().into_iter().map(|trial| Trial { cost: None, ..trial }).collect();
         assert!(super::text(&uncounted, 1, Path::new("scenes"), 0).contains("--features count"));
+    }
+
+    #[test]
+    fn seeds_give_a_mean_and_a_spread() {
+        let run = |tot2: f64| Score { tot1: 20.0, tot2, tot05: Some(2.0 * tot2), off10: Some(9.0), ..Score::default() };
+        let repeated = Repeated::of("grid", 0.0, &[run(5.0), run(6.0), run(7.0)]).unwrap();
+        assert_eq!((repeated.seeds, repeated.mean.tot2), (3, 6.0));
+        assert_eq!(repeated.deviation, [("tot05", 2.0), ("tot1", 0.0), ("tot2", 1.0), ("off10", 0.0)].into());
+        assert_eq!(Repeated::of("grid", 0.0, &[run(5.0)]).unwrap().deviation["tot2"], 0.0);
+        let text = sources_text(&[repeated]);
+        assert!(text.contains("6.00 +- 1.00") && text.contains("clean frames"), "{text}");
+    }
+
+    #[test]
+    fn only_what_is_drawn_is_repeated() {
+        assert_eq!((repeats(0.0, 5), repeats(10.0, 5)), (8, 20));
     }
 
     #[test]

@@ -233,8 +233,8 @@ mod tests {
                 assert_eq!(found.len(), 17);
                 let post = found[8].unwrap();
                 assert!((1400..=1600).contains(&post), "{message}");
-                // Elsewhere the wall at 6 m, or nothing.
-                for mm in found[..8].iter().chain(&found[9..]).flatten() {
+                // Elsewhere the wall at 6 m, or nothing; the sectors beside may see the post's edge.
+                for mm in found[..7].iter().chain(&found[10..]).flatten() {
                     assert!(*mm > 4000, "{message}");
                 }
             }

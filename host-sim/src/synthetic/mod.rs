@@ -256,16 +256,17 @@ impl Rendering {
         truth
     }
 
-    /// Counts the answers on scored pixels without texture.
+    /// Counts the answers of at least some confidence on scored pixels without texture.
     ///
     /// # Panics
     /// If `map` has another size.
     #[must_use]
-    pub fn blank_score(&self, map: &DisparityMap) -> BlankScore {
+    pub fn blank_score(&self, map: &DisparityMap, least_confidence: u8) -> BlankScore {
         assert!(self.truth.fits(map), "map and truth differ in size");
         let mut score = BlankScore { pixels: 0, answered: 0, wrong: 0 };
         for (index, true_q8) in self.truth.scored().filter(|&(index, _)| self.is_blank[index]) {
-            let error = error_q8(map.disparity[index], true_q8);
+            let is_meant = map.confidence[index] >= least_confidence;
+            let error = error_q8(map.disparity[index], true_q8).filter(|_| is_meant);
             score.pixels += 1;
             score.answered += u64::from(error.is_some());
             score.wrong += u64::from(error.is_some_and(|error| error > 512));
@@ -326,7 +327,7 @@ mod tests {
         assert!(rendering.truth.disparity_q8.iter().all(|&q8| 0 < q8 && u32::from(q8) <= most));
         assert_eq!(rendering.pair, scene.render().pair);
         assert_ne!(rendering.pair, Scene::room(1).render().pair);
-        let blank = rendering.blank_score(&rendering.truth.to_map());
+        let blank = rendering.blank_score(&rendering.truth.to_map(), 16);
         assert!(blank.pixels > 10_000, "{blank:?}");
         assert_eq!((blank.answered, blank.wrong), (blank.pixels, 0));
     }

@@ -86,6 +86,51 @@ impl Map {
     }
 }
 
+/// Least confidence of what is measured; less is a guess.
+pub const LEAST_SURE: u8 = 16;
+
+impl Map {
+    /// Checks what holds for the answer of a method that guesses where it has not measured, to any frame:
+    /// - all pixels of a row are answered, or, if it was lost, none, with confidence 0;
+    /// - an answer lies in the search range, give or take the [`OVERSHOOT`] of a plane through cells;
+    /// - what is surer than a guess is seen by the right view, or less than a cell, 4 px, beside it.
+    pub fn check_dense(&self, config: &Config) {
+        let (min, num) = (i32::from(config.min_disparity), i32::from(config.num_disparities));
+        for y in 0..self.rows {
+            let (disparity, confidence) = self.row(y);
+            let is_lost = self.is_row_unknown(y);
+            for (x, (disparity, &confidence)) in disparity.iter().zip(confidence).enumerate() {
+                assert_eq!(disparity.is_none(), is_lost, "pixel ({x}, {y})");
+                assert_eq!(confidence == 0, is_lost, "confidence {confidence} at ({x}, {y})");
+            }
+        }
+        for (x, y, bits) in self.known() {
+            let bits = i32::from(bits);
+            let range = 16 * min - OVERSHOOT..=16 * (min + num - 1) + OVERSHOOT;
+            assert!(range.contains(&bits), "{bits}/16 px at ({x}, {y})");
+            let column = 16 * i32::try_from(x).unwrap() - bits;
+            let beside = 16 * 4;
+            let seen = 1 - beside..16 * (i32::try_from(self.width).unwrap() - 1) + beside;
+            let is_sure = self.row(y).1[x] >= LEAST_SURE;
+            assert!(!is_sure || seen.contains(&column), "{bits}/16 px at ({x}, {y}) leaves the image");
+        }
+    }
+
+    /// The same without guesses.
+    pub fn without_guesses(mut self) -> Self {
+        for (disparity, confidence) in self.disparity.iter_mut().zip(&mut self.confidence) {
+            if *confidence < LEAST_SURE {
+                (*disparity, *confidence) = (None, 0);
+            }
+        }
+        self
+    }
+}
+
+/// By how much an answer may lie outside the whole disparities searched, 1/16 px: the fraction of a cell, and what a plane
+/// through it and its neighbours on the same surface adds towards its corner.
+const OVERSHOOT: i32 = 8 + 15;
+
 /// Runs a whole frame through a method.
 pub fn run(method: &mut dyn StereoMethod, frame: &Frame) -> Map {
     run_with_losses(method, frame, |_| false)

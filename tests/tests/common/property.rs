@@ -86,7 +86,7 @@ pub fn any_frame_is_answered_within_bounds(subject: &Subject) {
     proptest!(cases(512), |(sample in samples(), losses in prop::option::weighted(0.3, losses()))| {
         let losses = losses.unwrap_or_default();
         let map = run_with_losses(&mut *(subject.build)(sample.config), &sample.frame(), |y| losses.has(y));
-        map.check(&sample.config);
+        subject.check(&map, &sample.config);
         known.set(known.get() + map.known().count());
     });
     assert!(known.get() > 0, "nothing was answered in any case");
@@ -96,7 +96,7 @@ pub fn any_frame_is_answered_within_bounds(subject: &Subject) {
 pub fn any_widest_frame_is_answered_within_bounds(subject: &Subject) {
     proptest!(cases(24), |(sample in samples_of(Just(1280)))| {
         let map = run(&mut *(subject.build)(sample.config), &sample.frame());
-        map.check(&sample.config);
+        subject.check(&map, &sample.config);
     });
 }
 
@@ -107,7 +107,7 @@ pub fn every_period_is_answered_within_bounds(subject: &Subject) {
         {
             let config = config(72, -8, 72);
             let map = run(&mut *(subject.build)(config), &Frame::shifted(72, 12, content, i32::from(period) / 2));
-            map.check(&config);
+            subject.check(&map, &config);
         }
     }
 }
@@ -118,7 +118,7 @@ pub fn a_tall_frame_is_answered_to_its_end(subject: &Subject) {
         let content = Content::Texture { seed: 7 };
         let config = config(width, 0, 8);
         let map = run(&mut *(subject.build)(config), &Frame::shifted(width, height, content, 3));
-        map.check(&config);
+        subject.check(&map, &config);
         assert!(!map.is_row_unknown(height - 1), "{width} x {height}");
     }
 }
@@ -142,7 +142,7 @@ pub(super) fn right_answers(map: &Map, disparity: i32, tolerance: i32, border: i
 
 /// A view shifted by k px has disparity k, whatever the size; 0 too is a disparity. Of the pixels 8 px or
 /// more from the sides 99 percent are within 1/2 px and 80 percent within 1/4 px, even in a frame of one
-/// row; of all that both views see 85 percent are within 1/2 px, so that nothing is cropped.
+/// row; of all that both views see 85 percent are within 1/2 px, so that nothing is cropped. (98 percent where guesses count, too.)
 pub fn a_shift_of_k_pixels_has_disparity_k(subject: &Subject) {
     let searches = [(0, 16, 0), (0, 32, 5), (0, 16, 15), (-16, 32, -7), (-8, 8, -8), (3, 9, 7), (4, 1, 4)];
     let wide = [(-128, 64, -120), (100, 29, 128), (0, 256, 130)];
@@ -156,7 +156,8 @@ pub fn a_shift_of_k_pixels_has_disparity_k(subject: &Subject) {
                 run(&mut *(subject.build)(config), &frame)
             });
             let maps: Vec<Map> = maps.collect();
-            for (tolerance, border, percent) in [(8, 8, 99), (4, 8, 80), (8, 0, 85)] {
+            let most = if subject.guesses { 98 } else { 99 };
+            for (tolerance, border, percent) in [(8, 8, most), (4, 8, 80), (8, 0, 85)] {
                 let counts = maps.iter().map(|map| right_answers(map, disparity, tolerance, border));
                 let (right, all) = counts.fold((0, 0), |sum, count| (sum.0 + count.0, sum.1 + count.1));
                 assert!(
@@ -323,7 +324,7 @@ pub fn lost_rows_come_out_unknown(subject: &Subject) {
         for count in [1, 2, 5, 13, 48] {
             let is_lost = |y: usize| (first..first + count).contains(&y);
             let map = run_with_losses(&mut *(subject.build)(config), &frame, is_lost);
-            map.check(&config);
+            subject.check(&map, &config);
             for y in 0..48 {
                 assert_eq!(map.is_row_unknown(y), is_lost(y), "row {y} of a frame without {count} rows from {first}");
             }
@@ -360,21 +361,21 @@ pub fn rows_far_from_a_lost_one_are_as_if_it_were_there(subject: &Subject) {
 }
 
 /// A frame that begins with lost rows is answered like any other from its first row on: within 1/4 px at
-/// 99 percent of the pixels 8 px or more from the sides.
+/// 98 percent of the pixels 8 px or more from the sides.
 pub fn a_frame_may_begin_with_lost_rows(subject: &Subject) {
     for count in 1..=16 {
         let frame = Frame::shifted(96, 48, Content::Texture { seed: 6 }, 5);
         let map = run_with_losses(&mut *(subject.build)(config(96, 0, 16)), &frame, |y| y < count);
         let rest = Map { disparity: map.disparity[count * 96..].to_vec(), ..map };
         let (right, all) = right_answers(&rest, 5, 4, 8);
-        assert!(100 * right >= 99 * all, "{right} of {all} after {count} lost rows");
+        assert!(100 * right >= 98 * all, "{right} of {all} after {count} lost rows");
     }
 }
 
 // What is not there is not seen
 
-/// Views without texture across are unknown everywhere: nothing tells how far they are.
-pub fn views_without_texture_are_unknown(subject: &Subject) {
+/// Views without texture across are unknown everywhere, or guessed: nothing tells how far they are.
+pub fn views_without_texture_have_no_sure_answer(subject: &Subject) {
     for (width, height) in [(32, 1), (61, 5), (160, 40)] {
         let config = config(width, -4, 24);
         let mut constant: Vec<(Content, Content)> =
@@ -384,7 +385,7 @@ pub fn views_without_texture_are_unknown(subject: &Subject) {
         constant.push((Content::LyingStripes { down: 3 }, Content::LyingStripes { down: 3 }));
         for (left, right) in constant {
             let frame = Frame::from_fn(width, height, |x, y| left.at(x, y), |x, y| right.at(x, y));
-            let map = run(&mut *(subject.build)(config), &frame);
+            let map = subject.measure(config, &frame);
             assert_eq!(map.known().count(), 0, "{left:?} and {right:?}, {width} x {height}");
         }
     }
@@ -405,6 +406,17 @@ fn differences(a: &Map, b: &Map) -> Vec<u16> {
     differences
 }
 
+/// What a method measures of a scene; without the blank surfaces where it guesses, since these look like any other wall.
+fn measured(subject: &Subject, scene: &Scene, config: Config, frame: &Frame) -> Map {
+    let mut map = subject.measure(config, frame);
+    if subject.guesses {
+        for (i, disparity) in map.disparity.iter_mut().enumerate() {
+            *disparity = disparity.filter(|_| scene.truth(i % scene.width, i / scene.width).is_some());
+        }
+    }
+    map
+}
+
 /// Checks that `map` has at least `least_known` percent of the pixels that `plain` has, and that at most
 /// `most_changed` percent of those differ by more than 1 px.
 fn check_is_near(map: &Map, plain: &Map, least_known: usize, most_changed: usize, what: &str) {
@@ -415,10 +427,12 @@ fn check_is_near(map: &Map, plain: &Map, least_known: usize, most_changed: usize
     assert!(100 * changed <= most_changed * common, "{what}: {changed} of {common} pixels differ");
 }
 
-/// An offset of the grey levels of both views or of one of them, without clipping, changes nothing.
+/// An offset of the grey levels of both views or of one of them changes nothing, as long as it neither clips them nor makes
+/// them so dark that the front end gives them gain.
 pub fn an_offset_changes_nothing(subject: &Subject) {
     for (scene, config) in scenes() {
-        let frame = scene.render().map(|v| v.clamp(30, 220), |v| v.clamp(30, 220));
+        let frame =
+            scene.render().map(|v| v.saturating_add(40).clamp(30, 230), |v| v.saturating_add(40).clamp(30, 230));
         let expected = run(&mut *(subject.build)(config), &frame);
         for (left, right) in [(25, 25), (-20, -20), (0, 25), (-20, 0)] {
             let shifted = frame.map(|v| v.checked_add_signed(left).unwrap(), |v| v.checked_add_signed(right).unwrap());
@@ -437,9 +451,9 @@ pub fn a_gain_of_the_right_view_changes_little(subject: &Subject) {
 pub(super) fn a_gain_keeps(subject: &Subject, least_known: usize) {
     for (index, (scene, config)) in scenes().iter().enumerate() {
         let frame = scene.render();
-        let plain = run(&mut *(subject.build)(*config), &frame);
+        let plain = measured(subject, scene, *config, &frame);
         let darker = frame.map(|v| v, |v| u8::try_from((u16::from(v) * 4 + 2) / 5).unwrap());
-        let map = run(&mut *(subject.build)(*config), &darker);
+        let map = subject.measure(*config, &darker);
         check_is_near(&map, &plain, least_known, 5, &format!("scene {index}"));
     }
 }
@@ -455,8 +469,8 @@ pub fn a_scene_upside_down_has_nearly_the_same_map(subject: &Subject) {
 pub(super) fn upside_down_keeps(subject: &Subject, least_known: usize) {
     for (index, ((scene, config), most_changed)) in scenes().iter().zip([1, 5, 15]).enumerate() {
         let frame = scene.render();
-        let plain = run(&mut *(subject.build)(*config), &frame);
-        let flipped = run(&mut *(subject.build)(*config), &frame.flipped());
+        let plain = measured(subject, scene, *config, &frame);
+        let flipped = subject.measure(*config, &frame.flipped());
         let disparity = flipped.disparity.chunks(frame.width).rev().flatten().copied().collect();
         let map = Map { disparity, ..flipped };
         check_is_near(&map, &plain, least_known, most_changed, &format!("scene {index}"));
@@ -474,8 +488,8 @@ pub fn the_mirrored_frame_has_the_map_of_the_right_view(subject: &Subject) {
 pub(super) fn the_mirror_keeps(subject: &Subject, least_known: usize) {
     for (index, ((scene, config), tenth)) in scenes().iter().zip([16, 16, 32]).enumerate() {
         let frame = scene.render();
-        let plain = run(&mut *(subject.build)(*config), &frame);
-        let mirrored = run(&mut *(subject.build)(*config), &frame.mirrored());
+        let plain = measured(subject, scene, *config, &frame);
+        let mirrored = subject.measure(*config, &frame.mirrored());
         let mut seen_by_right = Map { disparity: vec![None; plain.disparity.len()], ..plain.clone() };
         for (x, y, bits) in plain.known() {
             let column = x.wrapping_add_signed(-isize::from((bits + 8) >> 4));
@@ -499,7 +513,7 @@ pub(super) fn the_mirror_keeps(subject: &Subject, least_known: usize) {
 /// textured surfaces, 75 percent are known and at most 8 percent of those more than 2 px wrong.
 fn scene_is_golden(subject: &Subject, name: &str, scene: &Scene, config: Config) {
     let map = run(&mut *(subject.build)(config), &scene.render());
-    map.check(&config);
+    subject.check(&map, &config);
     let pixels = (0..scene.height).flat_map(|y| (0..scene.width).map(move |x| (x, y)));
     let answers: Vec<_> = pixels.filter_map(|(x, y)| Some((scene.truth(x, y)?, map.at(x, y)))).collect();
     let known: Vec<_> = answers.iter().filter_map(|&(truth, found)| Some((truth, i32::from(found?)))).collect();

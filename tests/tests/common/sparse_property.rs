@@ -92,7 +92,7 @@ macro_rules! all_sparse_hold {
             rows_come_out_within_the_latency,
             a_reused_pipeline_equals_a_fresh_one,
             a_row_of_wrong_width_changes_nothing,
-            views_without_texture_are_unknown,
+            views_without_texture_have_no_sure_answer,
             an_offset_changes_nothing,
         }
         $crate::common::all_hold! {

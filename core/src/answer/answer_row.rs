@@ -1,0 +1,231 @@
+//! Two image rows of answers: planes through neighbouring cells, the choice of surface at jumps, hidden pixels.
+#![expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_possible_wrap,
+    reason = "columns are below 1280, disparities within 16 bits of 1/64 px"
+)]
+
+use crate::answer::cell::HALF;
+use crate::answer::cell_row::{CellRow, blend, is_same_surface};
+use crate::answer::median::Neighbourhood;
+use crate::front_end::camera_view::Row;
+use crate::lanes::rows::{least_of_three, load, store, window_sad};
+use crate::lanes::{add_halves, max, select_ge, splat, sub_halves};
+use crate::{Config, Disparity};
+
+/// What is added to the pixels of [`AnswerRow`], 1/64 px, so that none is negative.
+const OFFSET: i32 = 64 * 64;
+/// Confidence of a guess: 1 to 15.
+const GUESS: u32 = 8;
+
+/// Two image rows of answers, cell by cell.
+#[derive(Debug, Clone)]
+pub(crate) struct AnswerRow<const WORDS: usize> {
+    /// Disparity less the least one searched, 1/64 px and [`OFFSET`] more, of the columns 0, 1 and 2, 3 of a cell; two in a word.
+    pixels: [[u32; 2]; WORDS],
+    /// What the lower row has more than the middle, the upper one less, 1/64 px.
+    slope: [i16; WORDS],
+    /// Confidence of the four columns.
+    pub(crate) confidence: [[u8; 4]; WORDS],
+}
+
+/// What the answers of a cell row are made of.
+pub(crate) struct Sources<'a, const WORDS: usize> {
+    /// The row above, the row itself and the row below, all smoothed along the row.
+    pub(crate) rows: [&'a CellRow<WORDS>; 3],
+    /// The two feature rows of the cells, of either view.
+    pub(crate) left: [&'a Row<WORDS>; 2],
+    pub(crate) right: [&'a Row<WORDS>; 2],
+}
+
+/// The label of either half of a cell, two columns each.
+type Surfaces<const WORDS: usize> = [[u8; 2]; WORDS];
+
+impl<const WORDS: usize> AnswerRow<WORDS> {
+    pub(crate) const EMPTY: Self = Self { pixels: [[0; 2]; WORDS], slope: [0; WORDS], confidence: [[0; 4]; WORDS] };
+
+    /// Answers a cell row.
+    pub(crate) fn answer(&mut self, config: &Config, sources: &Sources<'_, WORDS>) {
+        let cells = usize::from(config.width).div_ceil(4);
+        let around = Neighbourhood::of(sources.rows, cells);
+        self.lay_planes(sources.rows, &around.median, cells);
+        for (confidence, &value) in self.confidence.iter_mut().zip(&around.confidence[..cells]) {
+            *confidence = [value; 4];
+        }
+        let mut surfaces = around.median.map(|label| [label; 2]);
+        self.choose_surfaces(config, sources, &around.median[..cells], &mut surfaces);
+        self.hide(config, &surfaces[..cells]);
+    }
+
+    /// Lays a plane through each cell and its neighbours on the same surface.
+    #[inline(never)]
+    fn lay_planes(&mut self, rows: [&CellRow<WORDS>; 3], median: &[u8; WORDS], cells: usize) {
+        let [above, row, below] = rows.map(|row| &row.value[..cells]);
+        let (labels, slopes, median) = (&rows[1].label[..cells], &rows[1].slope[..cells], &median[..cells]);
+        let (pixels, downs) = (&mut self.pixels[..cells], &mut self.slope[..cells]);
+        for c in 0..cells {
+            let (mut here, mut across) = (i32::from(row[c]), i32::from(slopes[c]));
+            if median[c] != labels[c] {
+                here = (i32::from(median[c]) << 8) + HALF.cast_signed();
+                let beside = |value: Option<&u16>| {
+                    let value = value.map(|&value| i32::from(value));
+                    (value.unwrap_or(0), value.is_some_and(|value| is_same_surface(value, here)))
+                };
+                (here, across) =
+                    blend(here, [beside(c.checked_sub(1).and_then(|c| row.get(c))), beside(row.get(c + 1))]);
+            }
+            let vertical = [above[c], below[c]].map(|value| {
+                let value = i32::from(value);
+                (value, is_same_surface(value, here))
+            });
+            let (here, down) = blend(here, vertical);
+            // A quarter of the slope lies between two columns.
+            let middle = (here >> 2) + OFFSET - HALF.cast_signed() / 4;
+            let (near, far) = (across >> 5, (across * 3) >> 5);
+            pixels[c] = [pair(middle - far, middle - near), pair(middle + near, middle + far)];
+            downs[c] = (down >> 4) as i16;
+        }
+    }
+
+    /// At a jump along the row the half of a cell beside it takes the neighbour's surface, if that fits twice as well.
+    #[inline(never)]
+    fn choose_surfaces(
+        &mut self,
+        config: &Config,
+        sources: &Sources<'_, WORDS>,
+        median: &[u8],
+        surfaces: &mut Surfaces<WORDS>,
+    ) {
+        let last = 4 * (median.len() + 1);
+        let mut before = median.first().copied().unwrap_or(0);
+        for (c, &here) in median.iter().enumerate() {
+            let labels = [before, here];
+            before = here;
+            if labels[0].abs_diff(here) <= 1 {
+                continue;
+            }
+            // Windows of four columns around the two halves beside the jump.
+            for (half, cell) in [(1, c - 1), (0, c)] {
+                let column = 4 * cell + 2 * half + 3;
+                let fit = |label: u8| {
+                    let at =
+                        usize::try_from(column as i32 - i32::from(label) - i32::from(config.min_disparity)).ok()?;
+                    (at <= last)
+                        .then(|| window_sad(sources.left.map(|r| &r[..]), column, sources.right.map(|r| &r[..]), at))
+                };
+                let (own, other) = (labels[1 - half], labels[half]);
+                if let (Some(own), Some(others)) = (fit(own), fit(other))
+                    && 2 * others < own
+                {
+                    let neighbour = if half == 1 { c } else { c - 1 };
+                    // Of a label that the median put in the place of another only the whole disparity is known.
+                    let row = sources.rows[1];
+                    let is_own = row.label[neighbour] == other;
+                    let value = if is_own {
+                        i32::from(row.value[neighbour])
+                    } else {
+                        (i32::from(other) << 8) + HALF.cast_signed()
+                    };
+                    let value = (value >> 2) + OFFSET - HALF.cast_signed() / 4;
+                    self.pixels[cell][half] = pair(value, value);
+                    surfaces[cell][half] = other;
+                }
+            }
+        }
+    }
+
+    /// Pixels whose column of the right view, and both beside it, are seen by something nearer are hidden there: they take the
+    /// surface behind, as a guess.
+    #[inline(never)]
+    fn hide(&mut self, config: &Config, surfaces: &[[u8; 2]]) {
+        // For each column of the right view the greatest label that claims it; nobody claims what lies outside.
+        let mut claims = [0; WORDS];
+        let width = usize::from(config.width);
+        let claims = &mut claims[..surfaces.len() + 2];
+        if let [first, .., inner, last] = claims {
+            (*first, *last) = (u32::MAX, u32::MAX);
+            if !width.is_multiple_of(4) {
+                *inner = u32::MAX << (8 * (width % 4));
+            }
+        }
+        let origin = 4 - i32::from(config.min_disparity);
+        for (c, &[a, b]) in surfaces.iter().enumerate() {
+            let at = |label: u8| (4 * c as i32 + origin - i32::from(label)).cast_unsigned() as usize;
+            if a == b {
+                let at = at(a);
+                store(claims, at, max(load(claims, at), splat(u32::from(a))));
+            } else {
+                for (label, half) in [(a, 0x0000_ffff), (b, 0xffff_0000)] {
+                    let at = at(label);
+                    store(claims, at, max(load(claims, at), splat(u32::from(label)) & half));
+                }
+            }
+        }
+        let mut first_hidden = None;
+        let mut seen_before = None;
+        for (c, &[a, b]) in surfaces.iter().enumerate() {
+            let hidden = |label: u8| {
+                let at = (4 * c as i32 + origin - i32::from(label)).cast_unsigned() as usize;
+                let nearest = least_of_three(claims, at);
+                select_ge(nearest, splat((u32::from(label) + 2).min(255)), u32::MAX, 0)
+            };
+            let mask = if a == b { hidden(a) } else { hidden(a) & 0x0000_ffff | hidden(b) & 0xffff_0000 };
+            if mask == 0 {
+                // Seen: it may be what lies behind the hidden ones before it.
+                if let Some(first) = first_hidden.take() {
+                    self.fill(first..c, seen_before, Some(self.pixels[c][0] & 0xffff));
+                }
+                seen_before = Some(c);
+            } else {
+                let confidence = u32::from_le_bytes(self.confidence[c]) & !mask | splat(GUESS) & mask;
+                self.confidence[c] = confidence.to_le_bytes();
+                first_hidden = first_hidden.or(Some(c));
+            }
+        }
+        if let Some(first) = first_hidden {
+            self.fill(first..surfaces.len(), seen_before, None);
+        }
+    }
+
+    /// Gives the hidden pixels of the cells the farther of the surfaces beside them.
+    #[inline(never)]
+    fn fill(&mut self, cells: core::ops::Range<usize>, seen_before: Option<usize>, after: Option<u32>) {
+        let before = seen_before.map(|c| self.pixels[c][1] >> 16);
+        let Some(value) = before.into_iter().chain(after).min() else { return };
+        for c in cells {
+            for (i, &confidence) in self.confidence[c].iter().enumerate() {
+                if u32::from(confidence) == GUESS {
+                    let pair = &mut self.pixels[c][i / 2];
+                    *pair = if i % 2 == 0 { *pair & 0xffff_0000 | value } else { *pair & 0xffff | value << 16 };
+                }
+            }
+        }
+    }
+
+    /// Writes the disparities of the upper or the lower row.
+    #[inline(never)]
+    pub(crate) fn write(&self, is_lower: bool, config: &Config, out: &mut [[Disparity; 4]; WORDS]) {
+        let cells = usize::from(config.width).div_ceil(4);
+        // The offset goes and the least disparity comes; 1/2 of 1/16 px rounds.
+        let base = pair_of(16 * i32::from(config.min_disparity) - OFFSET / 4);
+        let half = pair_of(2);
+        for ((pixels, &slope), out) in self.pixels[..cells].iter().zip(&self.slope).zip(out) {
+            let slope = pair_of(i32::from(slope));
+            let rounded = if is_lower { add_halves(half, slope) } else { sub_halves(half, slope) };
+            let [a, b] = pixels.map(|pair| add_halves(add_halves(pair, rounded) >> 2 & 0x3fff_3fff, base));
+            *out = [a, a >> 16, b, b >> 16].map(|bits| Disparity::from_bits(bits as u16 as i16));
+        }
+    }
+}
+
+/// Two numbers of 16 bits in a word.
+#[inline(always)]
+const fn pair(low: i32, high: i32) -> u32 {
+    low.cast_unsigned() & 0xffff | high.cast_unsigned() << 16
+}
+
+/// The same number twice.
+#[inline(always)]
+const fn pair_of(value: i32) -> u32 {
+    pair(value, value)
+}

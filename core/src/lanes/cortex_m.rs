@@ -1,0 +1,114 @@
+//! The operations as instructions of the DSP extension.
+#![expect(unsafe_code, reason = "instructions that the language has no other name for")]
+
+use core::arch::asm;
+
+macro_rules! operations {
+    ($($(#[$doc:meta])* $name:ident = $instruction:literal;)*) => {$(
+        $(#[$doc])*
+        #[inline(always)]
+        pub(crate) fn $name(a: u32, b: u32) -> u32 {
+            let result;
+            // SAFETY: works on registers only.
+            unsafe { asm!(concat!($instruction, " {}, {}, {}"), lateout(reg) result, in(reg) a, in(reg) b, options(pure, nomem, nostack, preserves_flags)) };
+            result
+        }
+    )*};
+}
+
+operations! {
+    /// Saturating sum of unsigned lanes.
+    add = "uqadd8";
+    /// Saturating difference of unsigned lanes.
+    sub = "uqsub8";
+    /// Half of the sum of unsigned lanes, rounded down.
+    halved_sum = "uhadd8";
+    /// Saturating sum of signed lanes.
+    signed_add = "qadd8";
+    /// Saturating difference of signed lanes.
+    signed_sub = "qsub8";
+    /// Half of the sum of signed lanes, rounded down.
+    signed_halved_sum = "shadd8";
+    /// Sum of the four absolute differences of unsigned lanes.
+    sad = "usad8";
+}
+
+/// Sum of the four absolute differences of unsigned lanes, added to `sum`.
+#[inline(always)]
+pub(crate) fn sad_add(a: u32, b: u32, sum: u32) -> u32 {
+    let result;
+    // SAFETY: works on registers only.
+    unsafe {
+        asm!("usada8 {}, {}, {}, {}", lateout(reg) result, in(reg) a, in(reg) b, in(reg) sum, options(pure, nomem, nostack, preserves_flags))
+    };
+    result
+}
+
+/// Difference of the lanes modulo 256.
+#[inline(always)]
+pub(crate) fn wrapping_sub(a: u32, b: u32) -> u32 {
+    let result;
+    // SAFETY: works on registers only; the GE flags belong to the flags that an asm block may change.
+    unsafe { asm!("usub8 {}, {}, {}", lateout(reg) result, in(reg) a, in(reg) b, options(pure, nomem, nostack)) };
+    result
+}
+
+/// In each lane `x` where `a >= b`, else `y`.
+#[inline(always)]
+pub(crate) fn select_ge(a: u32, b: u32, x: u32, y: u32) -> u32 {
+    let result;
+    // SAFETY: works on registers only.
+    unsafe {
+        asm!("usub8 {r}, {a}, {b}", "sel {r}, {x}, {y}", r = out(reg) result, a = in(reg) a, b = in(reg) b, x = in(reg) x, y = in(reg) y,
+            options(pure, nomem, nostack));
+    }
+    result
+}
+
+/// The lesser of unsigned lanes.
+#[inline(always)]
+pub(crate) fn min(a: u32, b: u32) -> u32 {
+    select_ge(a, b, b, a)
+}
+
+/// The greater of unsigned lanes.
+#[inline(always)]
+pub(crate) fn max(a: u32, b: u32) -> u32 {
+    select_ge(a, b, a, b)
+}
+
+/// Sum of the two 16-bit halves modulo 2^16.
+#[inline(always)]
+pub(crate) fn add_halves(a: u32, b: u32) -> u32 {
+    let result;
+    // SAFETY: works on registers only.
+    unsafe { asm!("uadd16 {}, {}, {}", lateout(reg) result, in(reg) a, in(reg) b, options(pure, nomem, nostack)) };
+    result
+}
+
+/// `word >> 8`, at most 255; the word is below 2^31.
+#[inline(always)]
+pub(crate) fn saturated_byte(word: u32) -> u32 {
+    let result;
+    // SAFETY: works on registers only.
+    unsafe { asm!("usat {}, #8, {}, asr #8", lateout(reg) result, in(reg) word, options(pure, nomem, nostack)) };
+    result
+}
+
+/// Difference of the two 16-bit halves modulo 2^16.
+#[inline(always)]
+pub(crate) fn sub_halves(a: u32, b: u32) -> u32 {
+    let result;
+    // SAFETY: works on registers only.
+    unsafe { asm!("usub16 {}, {}, {}", lateout(reg) result, in(reg) a, in(reg) b, options(pure, nomem, nostack)) };
+    result
+}
+
+/// Sum of the lanes modulo 256.
+#[inline(always)]
+pub(crate) fn wrapping_add(a: u32, b: u32) -> u32 {
+    let result;
+    // SAFETY: works on registers only.
+    unsafe { asm!("uadd8 {}, {}, {}", lateout(reg) result, in(reg) a, in(reg) b, options(pure, nomem, nostack)) };
+    result
+}

@@ -1,0 +1,133 @@
+//! The operations on any target: carries are kept within a lane by masking each lane's top bit.
+
+const TOP: u32 = 0x8080_8080;
+const REST: u32 = !TOP;
+
+/// 0xff in each lane whose top bit is set, else 0.
+#[inline(always)]
+const fn spread(top: u32) -> u32 {
+    ((top & TOP) >> 7).wrapping_mul(0xff)
+}
+
+/// Sum of the lanes modulo 256, and in the top bits the carries out of them.
+#[inline(always)]
+const fn sum(a: u32, b: u32) -> (u32, u32) {
+    let sum = ((a & REST) + (b & REST)) ^ ((a ^ b) & TOP);
+    (sum, (a & b) | ((a | b) & !sum))
+}
+
+/// Difference of the lanes modulo 256, and in the top bits where `a < b`.
+#[inline(always)]
+const fn less(a: u32, b: u32) -> (u32, u32) {
+    let difference = ((a | TOP) - (b & REST)) ^ ((a ^ !b) & TOP);
+    (difference, (!a & b) | ((!a | b) & difference))
+}
+
+/// Saturating sum of unsigned lanes (UQADD8).
+#[inline(always)]
+pub(crate) const fn add(a: u32, b: u32) -> u32 {
+    let (sum, carry) = sum(a, b);
+    sum | spread(carry)
+}
+
+/// Saturating difference of unsigned lanes (UQSUB8).
+#[inline(always)]
+pub(crate) const fn sub(a: u32, b: u32) -> u32 {
+    let (difference, borrow) = less(a, b);
+    difference & !spread(borrow)
+}
+
+/// In each lane `x` where `a >= b`, else `y` (USUB8, SEL).
+#[inline(always)]
+pub(crate) const fn select_ge(a: u32, b: u32, x: u32, y: u32) -> u32 {
+    let below = spread(less(a, b).1);
+    x & !below | y & below
+}
+
+/// The lesser of unsigned lanes.
+#[inline(always)]
+pub(crate) const fn min(a: u32, b: u32) -> u32 {
+    select_ge(a, b, b, a)
+}
+
+/// The greater of unsigned lanes.
+#[inline(always)]
+pub(crate) const fn max(a: u32, b: u32) -> u32 {
+    select_ge(a, b, a, b)
+}
+
+/// Difference of the lanes modulo 256 (USUB8).
+#[inline(always)]
+pub(crate) const fn wrapping_sub(a: u32, b: u32) -> u32 {
+    less(a, b).0
+}
+
+/// Half of the sum of unsigned lanes, rounded down (UHADD8).
+#[inline(always)]
+pub(crate) const fn halved_sum(a: u32, b: u32) -> u32 {
+    (a & b) + (((a ^ b) >> 1) & REST)
+}
+
+/// Saturating sum of signed lanes (QADD8).
+#[inline(always)]
+pub(crate) const fn signed_add(a: u32, b: u32) -> u32 {
+    let (sum, _) = sum(a, b);
+    // Overflow where both have a sign that the sum has not.
+    let over = spread((a ^ sum) & (b ^ sum));
+    let limit = (spread(a) ^ REST) & over;
+    sum & !over | limit
+}
+
+/// Saturating difference of signed lanes (QSUB8).
+#[inline(always)]
+pub(crate) const fn signed_sub(a: u32, b: u32) -> u32 {
+    let (difference, _) = less(a, b);
+    let over = spread((a ^ b) & (a ^ difference));
+    let limit = (spread(a) ^ REST) & over;
+    difference & !over | limit
+}
+
+/// Sum of the four absolute differences of unsigned lanes (USAD8).
+#[inline(always)]
+pub(crate) const fn sad(a: u32, b: u32) -> u32 {
+    let d = sub(a, b) | sub(b, a);
+    let pairs = (d & 0x00ff_00ff) + (d >> 8 & 0x00ff_00ff);
+    (pairs + (pairs >> 16)) & 0xffff
+}
+
+/// The same, added to `sum` (USADA8).
+#[inline(always)]
+pub(crate) const fn sad_add(a: u32, b: u32, sum: u32) -> u32 {
+    sum + sad(a, b)
+}
+
+/// Half of the sum of signed lanes, rounded down (SHADD8).
+#[inline(always)]
+pub(crate) const fn signed_halved_sum(a: u32, b: u32) -> u32 {
+    halved_sum(a ^ TOP, b ^ TOP) ^ TOP
+}
+
+/// `word >> 8`, at most 255 (USAT).
+#[inline(always)]
+pub(crate) const fn saturated_byte(word: u32) -> u32 {
+    let word = word >> 8;
+    if word > 255 { 255 } else { word }
+}
+
+/// Sum of the two 16-bit halves modulo 2^16 (UADD16).
+#[inline(always)]
+pub(crate) const fn add_halves(a: u32, b: u32) -> u32 {
+    ((a & 0x7fff_7fff) + (b & 0x7fff_7fff)) ^ ((a ^ b) & 0x8000_8000)
+}
+
+/// Difference of the two 16-bit halves modulo 2^16 (USUB16).
+#[inline(always)]
+pub(crate) const fn sub_halves(a: u32, b: u32) -> u32 {
+    ((a | 0x8000_8000) - (b & 0x7fff_7fff)) ^ ((a ^ !b) & 0x8000_8000)
+}
+
+/// Sum of the lanes modulo 256 (UADD8).
+#[inline(always)]
+pub(crate) const fn wrapping_add(a: u32, b: u32) -> u32 {
+    sum(a, b).0
+}

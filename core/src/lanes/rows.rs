@@ -1,0 +1,320 @@
+//! Whole rows at a time: kernels that look at every byte of a row, four at once, at any offset.
+//!
+//! A row is a slice of words of four columns each, the lowest byte leftmost. Every kernel checks its lengths once and
+//! then reads without a check for each word.
+#![expect(unsafe_code, reason = "words at byte offsets that are no multiple of four, without a check for each")]
+
+use super::{sad_add, signed_add, signed_halved_sum, signed_sub, splat, sub, wrapping_add};
+
+/// Flips unsigned bytes, 0 to 255, to signed ones, -128 to 127, and back.
+pub(crate) const FLIP: u32 = 0x8080_8080;
+
+/// The word that begins `byte` bytes into a row.
+///
+/// # Safety
+/// `byte + 4` must not exceed the row's length in bytes.
+#[inline(always)]
+unsafe fn word(row: &[u32], byte: usize) -> u32 {
+    debug_assert!(byte + 4 <= 4 * row.len());
+    // SAFETY: within the row, as the caller promises.
+    let word = unsafe { row.as_ptr().cast::<u8>().add(byte).cast::<u32>().read_unaligned() };
+    u32::from_le(word)
+}
+
+/// How gradients become features: limited to `-wide..=wide`, and added to the same limited to `-narrow..=narrow`, so that
+/// the cost is steep for small differences and flat for large ones.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Clips {
+    wide: Clip,
+    narrow: Option<Clip>,
+}
+
+/// Limits signed lanes to `-limit..=limit` and moves them to `128..=128 + 2 limit`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Clip {
+    raise: u32,
+    lower: u32,
+}
+
+impl Clip {
+    const fn new(limit: u32) -> Self {
+        Self { raise: splat(127 - limit), lower: splat(128 - 2 * limit) }
+    }
+
+    #[inline(always)]
+    fn of(self, gradient: u32) -> u32 {
+        // Saturating at 127 and then at -128 cuts both ends.
+        let upper = signed_sub(signed_add(gradient, self.raise), splat(127));
+        signed_sub(upper, self.lower)
+    }
+}
+
+impl Clips {
+    /// Limits of 1 to 63 whose sum is below 64; `narrow` of 0 is none.
+    pub(crate) const fn new(wide: u32, narrow: u32) -> Self {
+        Self { wide: Clip::new(wide), narrow: if narrow == 0 { None } else { Some(Clip::new(narrow)) } }
+    }
+}
+
+/// What `gradient` makes of each word but the first and the last, limited.
+#[inline(always)]
+fn clip_row(clips: Clips, out: &mut [u32], gradient: impl Fn(usize) -> u32) {
+    let last = out.len().saturating_sub(1);
+    let Some(out) = out.get_mut(1..last) else { return };
+    let Clips { wide, narrow } = clips;
+    match narrow {
+        // The two offsets of 128 cancel modulo 256.
+        Some(narrow) => each_word(out, |i| {
+            let gradient = gradient(i);
+            wrapping_add(wide.of(gradient), narrow.of(gradient))
+        }),
+        None => each_word(out, |i| wide.of(gradient(i))),
+    }
+}
+
+/// Fills words by their number from 1 on, two at a time.
+#[inline(always)]
+fn each_word(out: &mut [u32], word: impl Fn(usize) -> u32) {
+    let mut i = 1;
+    let (pairs, rest) = out.as_chunks_mut::<2>();
+    for pair in pairs {
+        let (a, b) = (word(i), word(i + 1));
+        *pair = [a, b];
+        i += 2;
+    }
+    for last in rest {
+        *last = word(i);
+    }
+}
+
+/// Features of the gradient along the row: `[1 1]` down x `[-1 0 1]` across (pair sum and pair difference).
+///
+/// Fills all words of `out` but the first and the last. All rows must be equally long.
+#[inline(never)]
+pub(crate) fn gradient_across(rows: [&[u32]; 2], clips: Clips, out: &mut [u32]) {
+    let [a, b] = rows;
+    assert!(a.len() == out.len() && b.len() == out.len());
+    clip_row(clips, out, |i| {
+        // SAFETY: the words begin one byte before and one after word `i`, which is neither the first nor the last.
+        let across = |row| unsafe { signed_sub(word(row, 4 * i + 1), word(row, 4 * i - 1)) };
+        signed_add(across(a), across(b))
+    });
+}
+
+/// Features of the gradient down: `[-1 0 1]` down x `[1 1]` across, of the rows above and below.
+///
+/// Fills all words of `out` but the first and the last. All rows must be equally long.
+#[inline(never)]
+pub(crate) fn gradient_down(rows: [&[u32]; 2], clips: Clips, out: &mut [u32]) {
+    let [above, below] = rows;
+    assert!(above.len() == out.len() && below.len() == out.len());
+    clip_row(clips, out, |i| {
+        // SAFETY: word `i` is neither the first nor the last.
+        let down = |byte| unsafe { signed_sub(word(below, byte), word(above, byte)) };
+        signed_add(down(4 * i), down(4 * i + 1))
+    });
+}
+
+/// Haar responses of half-support 2 in the words `at` and `at + 1`: mean of two columns by the rows given, less that of the
+/// two columns before; 0 where it falls (where it rises if `falling`).
+#[inline(always)]
+pub(crate) fn responses(rows: &[&[u32]], at: usize, falling: bool) -> [u32; 2] {
+    for row in rows {
+        assert!(at + 3 <= row.len() && at > 0);
+    }
+    // SAFETY: there is a word on either side of both.
+    [at, at + 1].map(|at| unsafe { response_at(rows, at, falling) })
+}
+
+/// The same in the word `at` alone.
+#[inline(always)]
+pub(crate) fn response(rows: &[&[u32]], at: usize, falling: bool) -> u32 {
+    for row in rows {
+        assert!(at + 2 <= row.len() && at > 0);
+    }
+    // SAFETY: there is a word on either side.
+    unsafe { response_at(rows, at, falling) }
+}
+
+/// The response in a word.
+///
+/// # Safety
+/// All rows must have a word before and one after it.
+#[inline(always)]
+unsafe fn response_at(rows: &[&[u32]], at: usize, falling: bool) -> u32 {
+    // SAFETY: from two bytes before the word to one byte after it.
+    let mean = |offset: usize| unsafe {
+        match *rows {
+            [a, b] => signed_halved_sum(word(a, 4 * at + offset - 2), word(b, 4 * at + offset - 2)),
+            [a, b, c, d] => signed_halved_sum(
+                signed_halved_sum(word(b, 4 * at + offset - 2), word(c, 4 * at + offset - 2)),
+                signed_halved_sum(word(a, 4 * at + offset - 2), word(d, 4 * at + offset - 2)),
+            ),
+            _ => 0,
+        }
+    };
+    let before = signed_halved_sum(mean(0), mean(1)) ^ FLIP;
+    let after = signed_halved_sum(mean(2), mean(3)) ^ FLIP;
+    if falling { sub(before, after) } else { sub(after, before) }
+}
+
+/// Sums of absolute differences of the four cells of a tile, 4 x 2 px each: left and right of the upper two rows, then of the
+/// lower two. `None` where the right window lies outside its rows.
+///
+/// - `left`: first word of the tile; `right`: first byte of what it is compared with.
+#[inline(always)]
+pub(crate) fn tile_sad<const BLOCKS: usize>(
+    left_rows: &[[u32; BLOCKS]; 4],
+    left: usize,
+    right_rows: &[[u32; BLOCKS]; 4],
+    right: usize,
+) -> [u32; 4] {
+    assert!(left + 2 <= BLOCKS && right + 8 <= 4 * BLOCKS);
+    let mut sums = [0; 4];
+    for (y, (a, b)) in left_rows.iter().zip(right_rows).enumerate() {
+        // SAFETY: checked above.
+        let (first, second) = unsafe { (word(b, right), word(b, right + 4)) };
+        let cells = 2 * (y / 2);
+        sums[cells] = sad_add(a[left], first, sums[cells]);
+        sums[cells + 1] = sad_add(a[left + 1], second, sums[cells + 1]);
+    }
+    sums
+}
+
+/// Sum of absolute differences of windows of 4 x 2 columns, that begin at any byte. All rows must be equally long.
+#[inline(always)]
+pub(crate) fn window_sad(left_rows: [&[u32]; 2], left: usize, right_rows: [&[u32]; 2], right: usize) -> u32 {
+    let mut sum = 0;
+    for (a, b) in left_rows.into_iter().zip(right_rows) {
+        assert!(left + 4 <= 4 * a.len() && right + 4 <= 4 * b.len());
+        // SAFETY: checked above.
+        sum = unsafe { sad_add(word(a, left), word(b, right), sum) };
+    }
+    sum
+}
+
+/// A window of 8 columns of two rows, that begins at any byte.
+#[derive(Clone, Copy)]
+pub(crate) struct Window([u32; 4]);
+
+impl Window {
+    /// The window at a byte of two equally long rows.
+    #[inline(always)]
+    pub(crate) fn of<const WORDS: usize>(rows: [&[u32; WORDS]; 2], byte: usize) -> Self {
+        assert!(byte + 8 <= 4 * WORDS);
+        let [a, b] = rows;
+        // SAFETY: checked above.
+        unsafe { Self([word(a, byte), word(a, byte + 4), word(b, byte), word(b, byte + 4)]) }
+    }
+
+    /// Sum of absolute differences.
+    #[inline(always)]
+    pub(crate) fn sad(self, other: Self) -> u32 {
+        let ([a, b, c, d], [e, f, g, h]) = (self.0, other.0);
+        sad_add(d, h, sad_add(c, g, sad_add(b, f, super::sad(a, e))))
+    }
+}
+
+/// The word at any byte of a row; 0 where it lies outside.
+#[inline(always)]
+pub(crate) fn load(row: &[u32], byte: usize) -> u32 {
+    if byte + 4 > 4 * row.len() {
+        return 0;
+    }
+    // SAFETY: checked above.
+    unsafe { word(row, byte) }
+}
+
+/// Stores a word at any byte of a row; nothing where it lies outside.
+#[inline(always)]
+pub(crate) fn store(row: &mut [u32], byte: usize, value: u32) {
+    if byte + 4 <= 4 * row.len() {
+        // SAFETY: checked.
+        unsafe { row.as_mut_ptr().cast::<u8>().add(byte).cast::<u32>().write_unaligned(value.to_le()) };
+    }
+}
+
+/// The mean of neighbours, `[1 2 1] / 4` of three words.
+#[inline(always)]
+fn mean_121(a: u32, b: u32, c: u32) -> u32 {
+    signed_halved_sum(signed_halved_sum(a, c), b)
+}
+
+/// The mean of neighbours, `[1 2 2 2 1] / 8` of five words.
+#[inline(always)]
+fn mean_12221(a: u32, b: u32, c: u32, d: u32, e: u32) -> u32 {
+    signed_halved_sum(mean_121(a, c, e), signed_halved_sum(b, d))
+}
+
+/// How wide a mean along the row is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Mean {
+    /// `[1 2 1]`
+    Three,
+    /// `[1 2 2 2 1]`
+    Five,
+    /// `[1 2 2 2 2 2 2 2 1]`
+    Nine,
+}
+
+/// Means of three rows (`[1 2 1]`, the inner three) or of five (`[1 2 2 2 1]`), all words.
+#[inline(never)]
+pub(crate) fn mean_down(rows: [&[u32]; 5], mean: Mean, out: &mut [u32]) {
+    let [a, b, c, d, e] = rows;
+    assert!([a, b, c, d, e].iter().all(|row| row.len() == out.len()));
+    for i in 0..out.len() {
+        out[i] = match mean {
+            Mean::Three => mean_121(b[i], c[i], d[i]),
+            _ => mean_12221(a[i], b[i], c[i], d[i], e[i]),
+        };
+    }
+}
+
+/// Means along a row, all words but the first and the last.
+#[inline(never)]
+pub(crate) fn mean_across(row: &[u32], mean: Mean, out: &mut [u32]) {
+    assert!(row.len() == out.len());
+    let last = out.len().saturating_sub(1);
+    match mean {
+        Mean::Three => {
+            for i in 1..last {
+                // SAFETY: one byte beyond word `i` on either side.
+                out[i] = unsafe { mean_121(word(row, 4 * i - 1), row[i], word(row, 4 * i + 1)) };
+            }
+        }
+        Mean::Five => {
+            for (i, out) in out.iter_mut().enumerate().take(last).skip(1) {
+                // SAFETY: two bytes beyond word `i` on either side.
+                *out = unsafe { five(row, 4 * i) };
+            }
+        }
+        Mean::Nine => {
+            for (i, out) in out.iter_mut().enumerate().take(last).skip(1) {
+                // SAFETY: four bytes beyond word `i` on either side.
+                *out = unsafe { signed_halved_sum(five(row, 4 * i - 2), five(row, 4 * i + 2)) };
+            }
+        }
+    }
+}
+
+/// `[1 2 2 2 1] / 8` along the row, of the word that begins at `byte`.
+///
+/// # Safety
+/// The row must have two bytes before and six after `byte`.
+#[inline(always)]
+unsafe fn five(row: &[u32], byte: usize) -> u32 {
+    // SAFETY: as the caller promises.
+    unsafe {
+        mean_12221(word(row, byte - 2), word(row, byte - 1), word(row, byte), word(row, byte + 1), word(row, byte + 2))
+    }
+}
+
+/// In each lane the least of three bytes of a row, those at `byte - 1`, `byte` and `byte + 1` and on; 255 where one lies outside.
+#[inline(always)]
+pub(crate) fn least_of_three(row: &[u32], byte: usize) -> u32 {
+    if byte.wrapping_sub(1) >= (4 * row.len()).saturating_sub(5) {
+        return u32::MAX;
+    }
+    // SAFETY: 1 <= byte and byte + 5 <= 4 * len.
+    unsafe { super::min(super::min(word(row, byte - 1), word(row, byte)), word(row, byte + 1)) }
+}
