@@ -93,6 +93,15 @@ pub(crate) fn saturated_byte(word: u32) -> u32 {
     result
 }
 
+/// Each of two 16-bit halves, below 2^15, at most 255.
+#[inline(always)]
+pub(crate) fn saturated_halves(word: u32) -> u32 {
+    let result;
+    // SAFETY: works on registers only.
+    unsafe { asm!("usat16 {}, #8, {}", lateout(reg) result, in(reg) word, options(pure, nomem, nostack)) };
+    result
+}
+
 /// Difference of the two 16-bit halves modulo 2^16.
 #[inline(always)]
 pub(crate) fn sub_halves(a: u32, b: u32) -> u32 {

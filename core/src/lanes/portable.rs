@@ -114,6 +114,14 @@ pub(crate) const fn saturated_byte(word: u32) -> u32 {
     if word > 255 { 255 } else { word }
 }
 
+/// Each of two 16-bit halves, below 2^15, at most 255 (USAT16).
+#[inline(always)]
+pub(crate) const fn saturated_halves(word: u32) -> u32 {
+    // 0x80 in a half that is greater, which 0xff then replaces.
+    let over = ((word >> 8 | word >> 9 | word >> 10 | word >> 11 | word >> 12 | word >> 13 | word >> 14) & 0x0001_0001) * 0xff;
+    (word | over) & 0x00ff_00ff
+}
+
 /// Sum of the two 16-bit halves modulo 2^16 (UADD16).
 #[inline(always)]
 pub(crate) const fn add_halves(a: u32, b: u32) -> u32 {

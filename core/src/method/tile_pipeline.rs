@@ -9,7 +9,7 @@ use crate::front_end::noise::{Noise, NoiseHistogram, SmoothingLevel};
 use crate::lanes::rows::Clips;
 use crate::lanes::{add, add_halves, sub_halves};
 use crate::matching::agreement::{Penalties, extend, normalised};
-use crate::matching::tile::{TileRow, TileSettings, Trials};
+use crate::matching::tile::{CellCost, TileRow, TileSettings, Trials};
 use crate::matching::tile_seed::TileSeeds;
 use crate::method::parts::{Parts, Seeds};
 use crate::stage::{Stage, StageClock, Untimed};
@@ -137,11 +137,11 @@ impl<const AGREEMENT: bool, const BLOCKS: usize, C: StageClock> Tiled<AGREEMENT,
 
     fn settings(&self) -> Settings {
         let extremum = self.parts.extremum;
-        let (cell, tile, penalties) = match (AGREEMENT, self.noise.level >= SmoothingLevel::Medium) {
-            (true, false) => (128, 0, Penalties::new(4, 24)),
-            (true, true) => (64, 0, Penalties::new(7, 34)),
-            (false, false) => (88, 10, Penalties::new(1, 3)),
-            (false, true) => (160, 24, Penalties::new(3, 16)),
+        let (cost, penalties) = match (AGREEMENT, self.noise.level >= SmoothingLevel::Medium) {
+            (true, false) => (CellCost::Own { shift: 1 }, Penalties::new(4, 24)),
+            (true, true) => (CellCost::Own { shift: 2 }, Penalties::new(7, 34)),
+            (false, false) => (CellCost::Shared { cell: 88, tile: 10 }, Penalties::new(1, 3)),
+            (false, true) => (CellCost::Shared { cell: 160, tile: 24 }, Penalties::new(3, 16)),
         };
         let contour = if AGREEMENT { 4 } else { 5 };
         let (clips, contour_threshold, near, far) = match self.noise.level {
@@ -153,7 +153,7 @@ impl<const AGREEMENT: bool, const BLOCKS: usize, C: StageClock> Tiled<AGREEMENT,
             clips,
             contour_threshold,
             strong_noise: self.noise.level == SmoothingLevel::Strong,
-            tile: TileSettings { cell, tile, near, far, extremum },
+            tile: TileSettings { cost, near, far, extremum },
             penalties,
         }
     }
@@ -207,6 +207,7 @@ impl<const AGREEMENT: bool, const BLOCKS: usize, C: StageClock> Tiled<AGREEMENT,
         self.deliver(sink);
     }
 
+    #[inline(never)]
     fn pair_contours(&mut self, tile_row: u32) {
         self.clock.enter(Stage::Seeds);
         let tiles = self.tiles();
@@ -214,49 +215,39 @@ impl<const AGREEMENT: bool, const BLOCKS: usize, C: StageClock> Tiled<AGREEMENT,
     }
 
     /// Labels of the tiles, and the paths from the left.
+    #[inline(never)]
     fn search(&mut self, tile_row: u32, settings: Settings) {
         self.clock.enter(Stage::Blocks);
         let tiles = self.tiles();
         let row = TileRow::new(&self.config, self.left.tiles(tile_row), self.right.tiles(tile_row), settings.tile);
-        let above = (tile_row > 0).then(|| &self.cells[cell_slot(2 * tile_row - 1)].label);
+        // The cells above, a pair a tile.
+        let above = match tile_row {
+            0 => &[],
+            _ => self.cells[cell_slot(2 * tile_row - 1)].label[..2 * tiles].as_chunks::<2>().0,
+        };
+        let mut pairs = above.iter().map(|pair| pair.map(u32::from));
+        let (mut before, mut here) = (NOBODY, pairs.next());
         let mut left = NOBODY;
-        let mut hypotheses = [0; 8];
         let mut trials = Trials::new();
         for tile in 0..tiles {
-            let mut len = 0;
-            let mut propose = |label: u32| {
-                hypotheses[len] = label;
-                len += 1;
-            };
-            let mut up = NOBODY;
-            if let Some(above) = above {
-                let at = |cell: usize| u32::from(above[cell]);
-                up = at(2 * tile);
-                propose(at(2 * tile));
-                propose(at(2 * tile + 1));
-                if tile > 0 {
-                    propose(at(2 * tile - 1));
-                }
-                if tile + 1 < tiles {
-                    propose(at(2 * tile + 2));
-                }
-            }
-            if left != NOBODY {
-                propose(left);
-            }
-            match self.parts.seeds {
-                Seeds::Contours => self.seeds.nearest(tile).map(|label| propose(u32::from(label))),
+            let next = pairs.next();
+            let [a, b] = here.unwrap_or([NOBODY; 2]);
+            let after = next.map_or(NOBODY, |pair| pair[0]);
+            let seeds = match self.parts.seeds {
+                Seeds::Contours => self.seeds.nearest(tile).map(u32::from),
                 Seeds::Random(seed) => [0, 1].map(|i| {
                     let number = (tile_row * 1024 + tile as u32) * 2 + i;
-                    propose(scramble(seed ^ scramble(number)) % u32::from(self.config.num_disparities));
+                    scramble(seed ^ scramble(number)) % u32::from(self.config.num_disparities)
                 }),
                 Seeds::Grid => [0, 1].map(|i| {
                     let step = (tile_row * 5 + tile as u32 * 3) % 8 + 8 * i;
-                    propose(step * u32::from(self.config.num_disparities) / 16);
+                    step * u32::from(self.config.num_disparities) / 16
                 }),
-                Seeds::None => [(); 2],
+                Seeds::None => [NOBODY; 2],
             };
-            let found = row.search(&mut trials, tile, &hypotheses[..len], left, up);
+            let hypotheses = [a, b, before, after, left, seeds[0], seeds[1]];
+            let found = row.search(&mut trials, tile, hypotheses, left, a);
+            (before, here) = (b, next);
             self.labels[tile] = found.labels;
             let [a, b, c, d] = found.costs;
             (self.costs[0][2 * tile], self.costs[0][2 * tile + 1]) = (a, b);
@@ -271,6 +262,7 @@ impl<const AGREEMENT: bool, const BLOCKS: usize, C: StageClock> Tiled<AGREEMENT,
     }
 
     /// The paths from the left.
+    #[inline(never)]
     fn pass_rightwards(&mut self, tiles: usize, penalties: Penalties) {
         let mut sums = [0; 2];
         let mut before = self.labels[0];
@@ -294,6 +286,7 @@ impl<const AGREEMENT: bool, const BLOCKS: usize, C: StageClock> Tiled<AGREEMENT,
 
     /// The other paths: from the right, from the top and, one cell row late, from below. Decides the upper cells and those
     /// above them; the lower ones for the time being.
+    #[inline(never)]
     fn agree(&mut self, tile_row: u32, settings: Settings) {
         if !AGREEMENT || !self.parts.agreement {
             return;
@@ -368,6 +361,7 @@ impl<const AGREEMENT: bool, const BLOCKS: usize, C: StageClock> Tiled<AGREEMENT,
     }
 
     /// Without agreement: each cell takes its least cost, and pays a little for a label that its neighbours have not.
+    #[inline(never)]
     fn decide_alone(&mut self, tile_row: u32, tiles: usize, penalties: Penalties) {
         for (row, costs) in (0..).zip(&self.costs) {
             let cell_row = 2 * tile_row + row;
@@ -398,6 +392,7 @@ impl<const AGREEMENT: bool, const BLOCKS: usize, C: StageClock> Tiled<AGREEMENT,
     }
 
     /// Smooths the cell rows that the row of tiles made final.
+    #[inline(never)]
     fn smooth(&mut self, tile_row: u32) {
         let cells = usize::from(self.config.width).div_ceil(4);
         let last = self.last_final(tile_row);
