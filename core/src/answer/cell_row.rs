@@ -1,7 +1,5 @@
 //! The cells of a row: what they answer, and the smoothing along the row.
 
-use crate::answer::cell::Cell;
-
 /// Surfaces that differ by less than this are one, 1/256 px.
 const SAME_SURFACE: i32 = 384;
 
@@ -18,29 +16,23 @@ pub(crate) struct CellRow<const WORDS: usize> {
     pub(crate) merit: [u8; WORDS],
 }
 
-/// A cell of a row, to be written.
-pub(crate) struct CellMut<'a> {
-    value: &'a mut u16,
-    label: &'a mut u8,
-    merit: &'a mut u8,
-}
-
-impl CellMut<'_> {
-    #[inline(always)]
-    pub(crate) fn set(self, found: Cell) {
-        (*self.value, *self.label, *self.merit) = (found.value, found.label, found.merit);
-    }
+/// The cells of a row of tiles, two a tile.
+pub(crate) struct TileCells<'a> {
+    pub(crate) value: &'a mut [[u16; 2]],
+    pub(crate) label: &'a mut [[u8; 2]],
+    pub(crate) merit: &'a mut [[u8; 2]],
 }
 
 impl<const WORDS: usize> CellRow<WORDS> {
     pub(crate) const EMPTY: Self = Self { value: [0; WORDS], slope: [0; WORDS], label: [0; WORDS], merit: [0; WORDS] };
 
     /// The cells of so many tiles.
-    pub(crate) fn cells(&mut self, tiles: usize) -> impl DoubleEndedIterator<Item = CellMut<'_>> {
-        let (value, label, merit) =
-            (&mut self.value[..2 * tiles], &mut self.label[..2 * tiles], &mut self.merit[..2 * tiles]);
-        let cells = value.iter_mut().zip(label).zip(merit);
-        cells.map(|((value, label), merit)| CellMut { value, label, merit })
+    pub(crate) fn tiles(&mut self, tiles: usize) -> TileCells<'_> {
+        TileCells {
+            value: &mut self.value.as_chunks_mut().0[..tiles],
+            label: &mut self.label.as_chunks_mut().0[..tiles],
+            merit: &mut self.merit.as_chunks_mut().0[..tiles],
+        }
     }
 
     /// Smooths the values along the row, each with those neighbours that are the same surface.

@@ -1,14 +1,14 @@
 //! The pipeline of `full` and `lite`: rows in, tiles matched row by row, rows out, the work spread over the rows.
 
-use crate::answer::cell::{label, winner};
 use crate::answer::answer_row::{AnswerRow, Sources};
 use crate::answer::cell_row::CellRow;
 use crate::front_end::camera_view::{CameraView, TILE_ROWS, words_for};
 use crate::front_end::exposure::{Exposure, Gain};
 use crate::front_end::noise::{Noise, NoiseHistogram, SmoothingLevel};
 use crate::lanes::rows::Clips;
-use crate::lanes::{add, add_halves, sub_halves};
-use crate::matching::agreement::{Penalties, extend, normalised};
+use crate::matching::agreement::Penalties;
+use crate::matching::alone::Alone;
+use crate::matching::path::Paths;
 use crate::matching::tile::{CellCost, TileRow, TileSettings, Trials};
 use crate::matching::tile_seed::TileSeeds;
 use crate::method::parts::{Parts, Seeds};
@@ -47,17 +47,7 @@ pub struct Tiled<const AGREEMENT: bool, const BLOCKS: usize, C = Untimed> {
     histograms: [NoiseHistogram; 2],
     noise: Noise,
     seeds: TileSeeds<BLOCKS>,
-    /// Labels of the tiles under way, and of those above.
-    labels: [u32; BLOCKS],
-    labels_above: [u32; BLOCKS],
-    /// Costs of the cells under way, upper and lower.
-    costs: [[u32; BLOCKS]; 2],
-    /// Sums of the paths from the left.
-    from_left: [[u32; BLOCKS]; 2],
-    /// Of the lower cells above: sums of the path from the top, of all paths so far, and their costs.
-    from_top: [u32; BLOCKS],
-    pending: [u32; BLOCKS],
-    costs_above: [u32; BLOCKS],
+    paths: Paths<BLOCKS>,
     cells: [CellRow<BLOCKS>; CELL_ROWS as usize],
     answer: AnswerRow<BLOCKS>,
     disparity: [[Disparity; 4]; BLOCKS],
@@ -117,13 +107,7 @@ impl<const AGREEMENT: bool, const BLOCKS: usize, C: StageClock> Tiled<AGREEMENT,
             histograms: [NoiseHistogram::new(), NoiseHistogram::new()],
             noise: Noise::default(),
             seeds: TileSeeds::new(),
-            labels: [0; BLOCKS],
-            labels_above: [0; BLOCKS],
-            costs: [[0; BLOCKS]; 2],
-            from_left: [[0; BLOCKS]; 2],
-            from_top: [0; BLOCKS],
-            pending: [0; BLOCKS],
-            costs_above: [0; BLOCKS],
+            paths: Paths::new(),
             cells: [const { CellRow::EMPTY }; CELL_ROWS as usize],
             answer: AnswerRow::EMPTY,
             disparity: [[Disparity::UNKNOWN; 4]; BLOCKS],
@@ -214,25 +198,28 @@ impl<const AGREEMENT: bool, const BLOCKS: usize, C: StageClock> Tiled<AGREEMENT,
         self.seeds.pair(&self.config, self.left.tiles(tile_row), self.right.tiles(tile_row), tiles);
     }
 
-    /// Labels of the tiles, and the paths from the left.
+    /// Labels of the tiles, and the paths from the left; without agreement the cells, too.
     #[inline(never)]
     fn search(&mut self, tile_row: u32, settings: Settings) {
         self.clock.enter(Stage::Blocks);
         let tiles = self.tiles();
         let row = TileRow::new(&self.config, self.left.tiles(tile_row), self.right.tiles(tile_row), settings.tile);
+        let Ok([above, upper, lower]) = self.cells.get_disjoint_mut(cell_slots(tile_row)) else { return };
         // The cells above, a pair a tile.
         let above = match tile_row {
             0 => &[],
-            _ => self.cells[cell_slot(2 * tile_row - 1)].label[..2 * tiles].as_chunks::<2>().0,
+            _ => above.label[..2 * tiles].as_chunks::<2>().0,
         };
-        let mut pairs = above.iter().map(|pair| pair.map(u32::from));
+        let mut rows = [upper.tiles(tiles), lower.tiles(tiles)];
+        let mut pairs = above.iter().copied();
         let (mut before, mut here) = (NOBODY, pairs.next());
         let mut left = NOBODY;
         let mut trials = Trials::new();
+        let mut alone = Alone::default();
         for tile in 0..tiles {
             let next = pairs.next();
-            let [a, b] = here.unwrap_or([NOBODY; 2]);
-            let after = next.map_or(NOBODY, |pair| pair[0]);
+            let [a, b] = here.map_or([NOBODY; 2], |pair| pair.map(u32::from));
+            let after = next.map_or(NOBODY, |pair| u32::from(pair[0]));
             let seeds = match self.parts.seeds {
                 Seeds::Contours => self.seeds.nearest(tile).map(u32::from),
                 Seeds::Random(seed) => [0, 1].map(|i| {
@@ -247,147 +234,26 @@ impl<const AGREEMENT: bool, const BLOCKS: usize, C: StageClock> Tiled<AGREEMENT,
             };
             let hypotheses = [a, b, before, after, left, seeds[0], seeds[1]];
             let found = row.search(&mut trials, tile, hypotheses, left, a);
-            (before, here) = (b, next);
-            self.labels[tile] = found.labels;
-            let [a, b, c, d] = found.costs;
-            (self.costs[0][2 * tile], self.costs[0][2 * tile + 1]) = (a, b);
-            (self.costs[1][2 * tile], self.costs[1][2 * tile + 1]) = (c, d);
             left = found.best;
+            if AGREEMENT && self.parts.agreement {
+                self.paths.set(tile, found);
+            } else {
+                alone.decide(settings.penalties, tile, &found, here, &mut rows);
+            }
+            (before, here) = (b, next);
         }
         if AGREEMENT && self.parts.agreement {
-            self.pass_rightwards(tiles, settings.penalties);
-        } else {
-            self.decide_alone(tile_row, tiles, settings.penalties);
+            self.paths.pass_rightwards(tiles, settings.penalties);
         }
     }
 
-    /// The paths from the left.
-    #[inline(never)]
-    fn pass_rightwards(&mut self, tiles: usize, penalties: Penalties) {
-        let mut sums = [0; 2];
-        let mut before = self.labels[0];
-        for tile in 0..tiles {
-            let labels = self.labels[tile];
-            let steps = penalties.steps(labels);
-            for row in 0..2 {
-                let message = if before == labels {
-                    penalties.same_labels(sums[row], steps)
-                } else {
-                    penalties.other_labels(sums[row], before, labels)
-                };
-                let first = extend(self.costs[row][2 * tile], message);
-                let second = extend(self.costs[row][2 * tile + 1], penalties.same_labels(first, steps));
-                (self.from_left[row][2 * tile], self.from_left[row][2 * tile + 1]) = (first, second);
-                sums[row] = second;
-            }
-            before = labels;
-        }
-    }
-
-    /// The other paths: from the right, from the top and, one cell row late, from below. Decides the upper cells and those
-    /// above them; the lower ones for the time being.
-    #[inline(never)]
+    /// The agreement of the cells.
     fn agree(&mut self, tile_row: u32, settings: Settings) {
-        if !AGREEMENT || !self.parts.agreement {
-            return;
-        }
-        self.clock.enter(Stage::Agreement);
-        let penalties = settings.penalties;
-        let tiles = self.tiles();
-        let mut right = [0; 2];
-        let mut after = self.labels[tiles - 1];
-        let slots = [cell_slot(2 * tile_row + CELL_ROWS - 1), cell_slot(2 * tile_row), cell_slot(2 * tile_row + 1)];
-        let Ok([row_above, upper_row, lower_row]) = self.cells.get_disjoint_mut(slots) else { return };
-        let mut cells_above = row_above.cells(tiles).rev();
-        let mut upper_cells = upper_row.cells(tiles).rev();
-        let mut lower_labels = lower_row.label[..2 * tiles].iter_mut().rev();
-        let costs = [&self.costs[0], &self.costs[1]].map(|row| &row[..2 * tiles]);
-        let lefts = [&self.from_left[0], &self.from_left[1]].map(|row| &row[..2 * tiles]);
-        let state = self.from_top[..2 * tiles].iter_mut().zip(&mut self.pending[..2 * tiles]).zip(&mut self.costs_above[..2 * tiles]);
-        let state = state.zip(lefts[0].iter().zip(lefts[1])).zip(costs[0].iter().zip(costs[1]));
-        let mut state = state.rev();
-        for (&labels, above_labels) in self.labels[..tiles].iter().zip(&mut self.labels_above[..tiles]).rev() {
-            let above = *above_labels;
-            let steps = penalties.steps(labels);
-            let steps_above = penalties.steps(above);
-            let is_same = above == labels;
-            for half in 0..2 {
-                let Some(((((from_top, pending), costs_above), lefts), costs)) = state.next() else { break };
-                let (lefts, costs) = ([*lefts.0, *lefts.1], [*costs.0, *costs.1]);
-                let mut along = [0; 2];
-                for row in 0..2 {
-                    let message = if half == 1 || after == labels {
-                        penalties.same_labels(right[row], steps)
-                    } else {
-                        penalties.other_labels(right[row], after, labels)
-                    };
-                    right[row] = extend(costs[row], message);
-                    along[row] = add(lefts[row], right[row]);
-                }
-                let message = match tile_row {
-                    0 => 0,
-                    _ if is_same => penalties.same_labels(*from_top, steps),
-                    _ => penalties.other_labels(*from_top, above, labels),
-                };
-                let top = extend(costs[0], message);
-                let lower_top = extend(costs[1], penalties.same_labels(top, steps));
-                if let Some(cell) = cells_above.next()
-                    && tile_row > 0
-                {
-                    let upper = normalised(along[0]);
-                    let message = if is_same {
-                        penalties.same_labels(upper, steps)
-                    } else {
-                        penalties.other_labels(upper, labels, above)
-                    };
-                    cell.set(winner(extend(*pending, message), above, *costs_above, steps_above.both()));
-                }
-                let lower = penalties.same_labels(normalised(along[1]), steps);
-                let sums = normalised(add(along[0], top));
-                if let Some(cell) = upper_cells.next() {
-                    cell.set(winner(extend(sums, lower), labels, costs[0], steps.both()));
-                }
-                let sums = normalised(add(along[1], lower_top));
-                if let Some(lower_label) = lower_labels.next() {
-                    *lower_label = label(sums, labels);
-                }
-                *from_top = lower_top;
-                *pending = sums;
-                *costs_above = costs[1];
-            }
-            *above_labels = labels;
-            after = labels;
-        }
-    }
-
-    /// Without agreement: each cell takes its least cost, and pays a little for a label that its neighbours have not.
-    #[inline(never)]
-    fn decide_alone(&mut self, tile_row: u32, tiles: usize, penalties: Penalties) {
-        for (row, costs) in (0..).zip(&self.costs) {
-            let cell_row = 2 * tile_row + row;
-            let slots = [cell_slot(cell_row + CELL_ROWS - 1), cell_slot(cell_row)];
-            let Ok([above, out]) = self.cells.get_disjoint_mut(slots) else { return };
-            let mut left = None;
-            let above = above.label[..2 * tiles].as_chunks::<2>().0;
-            let costs = costs[..2 * tiles].as_chunks::<2>().0;
-            let mut cells = out.cells(tiles);
-            for ((&labels, above), costs) in self.labels[..tiles].iter().zip(above).zip(costs) {
-                let beside = penalties.steps(labels).both();
-                for (&above, &costs) in above.iter().zip(costs) {
-                    let mut sums = costs;
-                    if let Some(left) = left {
-                        sums = add(sums, penalties.of(labels, left));
-                    }
-                    if cell_row > 0 {
-                        sums = add(sums, penalties.of(labels, u32::from(above)));
-                    }
-                    let found = winner(normalised(sums), labels, costs, beside);
-                    left = Some(u32::from(found.label));
-                    if let Some(cell) = cells.next() {
-                        cell.set(found);
-                    }
-                }
-            }
+        if AGREEMENT && self.parts.agreement {
+            self.clock.enter(Stage::Agreement);
+            let tiles = self.tiles();
+            let Ok(rows) = self.cells.get_disjoint_mut(cell_slots(tile_row)) else { return };
+            self.paths.agree(tiles, settings.penalties, tile_row == 0, rows);
         }
     }
 
@@ -502,6 +368,12 @@ const fn scramble(number: u32) -> u32 {
     let mixed = (number ^ number >> 16).wrapping_mul(0x85eb_ca6b);
     let mixed = (mixed ^ mixed >> 13).wrapping_mul(0xc2b2_ae35);
     mixed ^ mixed >> 16
+}
+
+/// Where the cell row above a row of tiles is, and its own two.
+fn cell_slots(tile_row: u32) -> [usize; 3] {
+    let row = 2 * tile_row;
+    [row + CELL_ROWS - 1, row, row + 1].map(cell_slot)
 }
 
 fn cell_slot(row: u32) -> usize {
