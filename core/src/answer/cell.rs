@@ -44,12 +44,12 @@ pub(crate) fn winner(sums: u32, labels: u32, costs: u32, beside: u32) -> Cell {
             fraction = ((before - after) * 128 / rise).clamp(-128, 127);
         }
     }
-    // One step to either side is the same surface.
+    // One step to either side is the same surface. The label itself limits the margin.
     let distance = difference(labels, splat(label));
     let rivals = select_ge(distance, splat(2), sums, splat(MOST_MARGIN));
-    let margin = (least(rivals) & 0xff).min(MOST_MARGIN).cast_signed();
+    let margin = i32::from(byte(least(rivals)));
     let cost = i32::from(byte(costs >> bits));
-    let merit = (128 + margin - 2 * cost).clamp(0, 255);
+    let merit = (128 + margin - 2 * cost).max(0);
     Cell {
         label: byte(label),
         value: ((label << 8) + HALF).wrapping_add_signed(fraction) as u16,

@@ -1,55 +1,57 @@
 //! Cells that decide alone: each takes its least cost, and pays a little for a label that its neighbours have not.
 
-use crate::answer::cell::winner;
-use crate::answer::cell_row::TileCells;
+use crate::answer::cell::{Cell, winner};
 use crate::lanes::add;
 use crate::matching::agreement::{Penalties, normalised};
 use crate::matching::tile::Tile;
 
-/// What the cells of the tile before took, upper and lower; nothing at the left edge.
-#[derive(Debug, Clone, Copy, Default)]
+/// What the cells of the tile before took, upper and lower; more than 255 at the left edge.
+#[derive(Debug, Clone, Copy)]
 pub(crate) struct Alone {
-    left: Option<[u8; 2]>,
+    left: [u32; 2],
 }
 
 impl Alone {
-    /// Decides the cells of a tile.
+    pub(crate) const fn new() -> Self {
+        Self { left: [u32::MAX; 2] }
+    }
+
+    /// Decides the cells of a tile, the upper and the lower ones.
     ///
-    /// - `above`: what the cells above took, if there are any.
-    #[inline(never)]
-    pub(crate) fn decide(
-        &mut self,
-        penalties: Penalties,
-        tile: usize,
-        found: &Tile,
-        above: Option<[u8; 2]>,
-        rows: &mut [TileCells<'_>; 2],
-    ) {
+    /// - `above`: what the cells above took; more than 255 where there is none.
+    #[inline(always)]
+    pub(crate) fn decide(&mut self, penalties: Penalties, found: &Tile, above: [u32; 2]) -> [[Cell; 2]; 2] {
         let labels = found.labels;
         let beside = penalties.steps(labels).both();
-        let mut above = above;
-        let mut lefts = [0; 2];
-        for (y, (costs, row)) in found.costs.as_chunks::<2>().0.iter().zip(rows).enumerate() {
-            let mut left = self.left.map(|left| left[y]);
-            let mut below = [0; 2];
-            for (x, &costs) in costs.iter().enumerate() {
-                let mut sums = costs;
-                if let Some(left) = left {
-                    sums = add(sums, penalties.of(labels, u32::from(left)));
-                }
-                if let Some(above) = above {
-                    sums = add(sums, penalties.of(labels, u32::from(above[x])));
-                }
-                let cell = winner(normalised(sums), labels, costs, beside);
-                left = Some(cell.label);
-                below[x] = cell.label;
-                row.value[tile][x] = cell.value;
-                row.label[tile][x] = cell.label;
-                row.merit[tile][x] = cell.merit;
-            }
-            lefts[y] = below[1];
-            above = Some(below);
+        let mut last = Price { label: u32::MAX, price: 0 };
+        let [a, b, c, d] = found.costs;
+        let mut decide = |costs, left, above| {
+            let sums = add(add(costs, last.of(penalties, labels, left)), last.of(penalties, labels, above));
+            winner(normalised(sums), labels, costs, beside)
+        };
+        let a = decide(a, self.left[0], above[0]);
+        let b = decide(b, u32::from(a.label), above[1]);
+        let c = decide(c, self.left[1], u32::from(a.label));
+        let d = decide(d, u32::from(c.label), u32::from(b.label));
+        self.left = [u32::from(b.label), u32::from(d.label)];
+        [[a, b], [c, d]]
+    }
+}
+
+/// What the labels of a tile paid last: mostly the next cell asks the same.
+struct Price {
+    /// For not being this label.
+    label: u32,
+    price: u32,
+}
+
+impl Price {
+    #[inline(always)]
+    fn of(&mut self, penalties: Penalties, labels: u32, other: u32) -> u32 {
+        if other != self.label {
+            let price = if other > 255 { 0 } else { penalties.of(labels, other) };
+            *self = Self { label: other, price };
         }
-        self.left = Some(lefts);
+        self.price
     }
 }

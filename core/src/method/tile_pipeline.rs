@@ -215,7 +215,7 @@ impl<const AGREEMENT: bool, const BLOCKS: usize, C: StageClock> Tiled<AGREEMENT,
         let (mut before, mut here) = (NOBODY, pairs.next());
         let mut left = NOBODY;
         let mut trials = Trials::new();
-        let mut alone = Alone::default();
+        let mut alone = Alone::new();
         for tile in 0..tiles {
             let next = pairs.next();
             let [a, b] = here.map_or([NOBODY; 2], |pair| pair.map(u32::from));
@@ -238,7 +238,12 @@ impl<const AGREEMENT: bool, const BLOCKS: usize, C: StageClock> Tiled<AGREEMENT,
             if AGREEMENT && self.parts.agreement {
                 self.paths.set(tile, found);
             } else {
-                alone.decide(settings.penalties, tile, &found, here, &mut rows);
+                let cells = alone.decide(settings.penalties, &found, [a, b]);
+                for (row, [first, second]) in rows.iter_mut().zip(cells) {
+                    row.value[tile] = [first.value, second.value];
+                    row.label[tile] = [first.label, second.label];
+                    row.merit[tile] = [first.merit, second.merit];
+                }
             }
             (before, here) = (b, next);
         }
