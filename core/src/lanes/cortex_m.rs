@@ -119,3 +119,117 @@ pub(crate) fn wrapping_add(a: u32, b: u32) -> u32 {
     unsafe { asm!("uadd8 {}, {}, {}", lateout(reg) result, in(reg) a, in(reg) b, options(pure, nomem, nostack)) };
     result
 }
+
+/// Instructions that limit the gradient in `t` twice, add up and leave the sum in `t`, or that limit it once.
+macro_rules! limited {
+    (twice) => {
+        "eor {t}, {t}, #0x80808080\n uqsub8 {u}, {t}, {l0}\n uqadd8 {u}, {u}, {r0}\n uqsub8 {t}, {t}, {l1}\n uqadd8 {t}, {t}, {r1}\n uadd8 {t}, {t}, {u}\n"
+    };
+    (once) => {
+        "eor {t}, {t}, #0x80808080\n uqsub8 {t}, {t}, {l0}\n uqadd8 {t}, {t}, {r0}\n"
+    };
+}
+
+/// A word of the gradient along the row: its bytes before and after in either row, and where it goes.
+macro_rules! across {
+    ($times:ident, $after:literal, $before:literal, $out:literal) => {
+        concat!(
+            "ldr {t}, [{a}, #", $after, "]\n ldr {u}, [{a}", $before, "\n qsub8 {t}, {t}, {u}\n",
+            "ldr {u}, [{b}, #", $after, "]\n ldr {v}, [{b}", $before, "\n qsub8 {u}, {u}, {v}\n",
+            "qadd8 {t}, {t}, {u}\n", limited!($times), "str {t}, [{out}", $out, "\n",
+        )
+    };
+}
+
+/// A word of the gradient down: where the next words are, the register of this difference and that of the next, and where
+/// it goes.
+macro_rules! down {
+    ($times:ident, $next:literal, $this:literal, $other:literal, $out:literal) => {
+        concat!(
+            "ldr {t}, [{below}, ", $next, "\n ldr {u}, [{above}, ", $next, "\n qsub8 ", $other, ", {t}, {u}\n",
+            "lsr {t}, ", $this, ", #8\n orr {t}, {t}, ", $other, ", lsl #24\n qadd8 {t}, ", $this, ", {t}\n",
+            limited!($times), "str {t}, [{out}", $out, "\n",
+        )
+    };
+}
+
+macro_rules! across_row {
+    ($times:ident, $a:ident, $b:ident, $out:ident, $end:ident, $($limits:tt)*) => {
+        asm!(
+            "2:",
+            across!($times, 14, ", #12]", ", #12]"),
+            across!($times, 10, ", #8]", ", #8]"),
+            across!($times, 6, ", #4]", ", #4]"),
+            across!($times, 2, "], #16", "], #16"),
+            "cmp {out}, {end}",
+            "bne 2b",
+            a = inout(reg) $a => _, b = inout(reg) $b => _, out = inout(reg) $out => _, end = in(reg) $end,
+            t = out(reg) _, u = out(reg) _, v = out(reg) _, $($limits)*,
+            options(nostack),
+        )
+    };
+}
+
+macro_rules! down_row {
+    ($times:ident, $above:ident, $below:ident, $out:ident, $end:ident, $($limits:tt)*) => {
+        asm!(
+            "ldr {d}, [{below}]",
+            "ldr {u}, [{above}]",
+            "qsub8 {d}, {d}, {u}",
+            "2:",
+            down!($times, "#4]", "{d}", "{e}", "], #4"),
+            down!($times, "#8]", "{e}", "{d}", "], #4"),
+            down!($times, "#12]", "{d}", "{e}", "], #4"),
+            down!($times, "#16]!", "{e}", "{d}", "], #4"),
+            "cmp {out}, {end}",
+            "bne 2b",
+            above = inout(reg) $above => _, below = inout(reg) $below => _, out = inout(reg) $out => _, end = in(reg) $end,
+            d = out(reg) _, e = out(reg) _, t = out(reg) _, u = out(reg) _, $($limits)*,
+            options(nostack),
+        )
+    };
+}
+
+/// [`gradient_across`](super::rows::gradient_across) of the words `1..=4 * fours`. `limits` are pairs of what is subtracted and added.
+///
+/// # Safety
+/// The rows must have at least `4 * fours + 2` words, and `fours` must not be 0.
+#[inline(always)]
+pub(crate) unsafe fn gradient_across_fours(rows: [&[u32]; 2], limits: [Option<[u32; 2]>; 2], out: &mut [u32], fours: usize) {
+    let [a, b] = rows;
+    // SAFETY: reads from one byte before word 1 to one after word 4 * fours, writes the words 1..=4 * fours; all inside.
+    unsafe {
+        let (a, b) = (a.as_ptr().cast::<u8>().add(3), b.as_ptr().cast::<u8>().add(3));
+        let out = out.as_mut_ptr().add(1);
+        let end = out.add(4 * fours);
+        match limits {
+            [Some([l0, r0]), Some([l1, r1])] => {
+                across_row!(twice, a, b, out, end, l0 = in(reg) l0, r0 = in(reg) r0, l1 = in(reg) l1, r1 = in(reg) r1);
+            }
+            [Some([l0, r0]), None] => across_row!(once, a, b, out, end, l0 = in(reg) l0, r0 = in(reg) r0),
+            [None, _] => {}
+        }
+    }
+}
+
+/// [`gradient_down`](super::rows::gradient_down) of the words `1..=4 * fours`. `limits` are pairs of what is subtracted and added.
+///
+/// # Safety
+/// The rows must have at least `4 * fours + 2` words, and `fours` must not be 0.
+#[inline(always)]
+pub(crate) unsafe fn gradient_down_fours(rows: [&[u32]; 2], limits: [Option<[u32; 2]>; 2], out: &mut [u32], fours: usize) {
+    let [above, below] = rows;
+    // SAFETY: reads the words 1..=4 * fours + 1, writes the words 1..=4 * fours; all inside.
+    unsafe {
+        let (above, below) = (above.as_ptr().add(1), below.as_ptr().add(1));
+        let out = out.as_mut_ptr().add(1);
+        let end = out.add(4 * fours);
+        match limits {
+            [Some([l0, r0]), Some([l1, r1])] => {
+                down_row!(twice, above, below, out, end, l0 = in(reg) l0, r0 = in(reg) r0, l1 = in(reg) l1, r1 = in(reg) r1);
+            }
+            [Some([l0, r0]), None] => down_row!(once, above, below, out, end, l0 = in(reg) l0, r0 = in(reg) r0),
+            [None, _] => {}
+        }
+    }
+}

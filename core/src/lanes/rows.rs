@@ -4,7 +4,9 @@
 //! then reads without a check for each word.
 #![expect(unsafe_code, reason = "words at byte offsets that are no multiple of four, without a check for each")]
 
-use super::{sad_add, signed_add, signed_halved_sum, signed_sub, splat, sub, wrapping_add};
+#[cfg(haarline_dsp)]
+use super::{gradient_across_fours, gradient_down_fours};
+use super::{add, sad_add, signed_add, signed_halved_sum, signed_sub, splat, sub, wrapping_add};
 
 /// Flips unsigned bytes, 0 to 255, to signed ones, -128 to 127, and back.
 pub(crate) const FLIP: u32 = 0x8080_8080;
@@ -29,62 +31,62 @@ pub(crate) struct Clips {
     narrow: Option<Clip>,
 }
 
-/// Limits signed lanes to `-limit..=limit` and moves them to `128..=128 + 2 limit`.
+/// Limits lanes, 128 for 0, to `128 - limit..=128 + limit` and moves them to `255 - 2 limit..=255`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Clip {
-    raise: u32,
     lower: u32,
+    raise: u32,
 }
 
 impl Clip {
     const fn new(limit: u32) -> Self {
-        Self { raise: splat(127 - limit), lower: splat(128 - 2 * limit) }
+        Self { lower: splat(128 - limit), raise: splat(255 - 2 * limit) }
     }
 
     #[inline(always)]
     fn of(self, gradient: u32) -> u32 {
-        // Saturating at 127 and then at -128 cuts both ends.
-        let upper = signed_sub(signed_add(gradient, self.raise), splat(127));
-        signed_sub(upper, self.lower)
+        // Saturating at 0 and then at 255 cuts both ends.
+        add(sub(gradient, self.lower), self.raise)
     }
 }
 
 impl Clips {
-    /// Limits of 1 to 63 whose sum is below 64; `narrow` of 0 is none.
+    /// What is subtracted and added to limit.
+    #[cfg(haarline_dsp)]
+    fn limits(self) -> [Option<[u32; 2]>; 2] {
+        [Some(self.wide), self.narrow].map(|clip| clip.map(|clip| [clip.lower, clip.raise]))
+    }
+
+    /// Limits whose sum is at most 127; `narrow` of 0 is none.
     pub(crate) const fn new(wide: u32, narrow: u32) -> Self {
         Self { wide: Clip::new(wide), narrow: if narrow == 0 { None } else { Some(Clip::new(narrow)) } }
     }
 }
 
-/// What `gradient` makes of each word but the first and the last, limited.
+/// What `gradient`, of signed lanes, makes of each word from `first` on but the last, limited.
 #[inline(always)]
-fn clip_row(clips: Clips, out: &mut [u32], gradient: impl Fn(usize) -> u32) {
+fn clip_row(clips: Clips, out: &mut [u32], first: usize, gradient: impl Fn(usize) -> u32) {
     let last = out.len().saturating_sub(1);
-    let Some(out) = out.get_mut(1..last) else { return };
     let Clips { wide, narrow } = clips;
-    match narrow {
-        // The two offsets of 128 cancel modulo 256.
-        Some(narrow) => each_word(out, |i| {
-            let gradient = gradient(i);
-            wrapping_add(wide.of(gradient), narrow.of(gradient))
-        }),
-        None => each_word(out, |i| wide.of(gradient(i))),
+    for i in first..last {
+        let gradient = gradient(i) ^ FLIP;
+        out[i] = match narrow {
+            // The offsets of 255 - 2 limit add up modulo 256.
+            Some(narrow) => wrapping_add(wide.of(gradient), narrow.of(gradient)),
+            None => wide.of(gradient),
+        };
     }
 }
 
-/// Fills words by their number from 1 on, two at a time.
+/// Runs a kernel over as many fours of words as a row has between its margins; the first word that is left.
+#[cfg(haarline_dsp)]
 #[inline(always)]
-fn each_word(out: &mut [u32], word: impl Fn(usize) -> u32) {
-    let mut i = 1;
-    let (pairs, rest) = out.as_chunks_mut::<2>();
-    for pair in pairs {
-        let (a, b) = (word(i), word(i + 1));
-        *pair = [a, b];
-        i += 2;
+fn by_fours(words: usize, kernel: impl FnOnce(usize)) -> usize {
+    let fours = words.saturating_sub(2) / 4;
+    if fours > 0 {
+        kernel(fours);
     }
-    for last in rest {
-        *last = word(i);
-    }
+    4 * fours + 1
 }
 
 /// Features of the gradient along the row: `[1 1]` down x `[-1 0 1]` across (pair sum and pair difference).
@@ -94,7 +96,12 @@ fn each_word(out: &mut [u32], word: impl Fn(usize) -> u32) {
 pub(crate) fn gradient_across(rows: [&[u32]; 2], clips: Clips, out: &mut [u32]) {
     let [a, b] = rows;
     assert!(a.len() == out.len() && b.len() == out.len());
-    clip_row(clips, out, |i| {
+    // SAFETY: the rows have `4 * fours + 2` words and more.
+    #[cfg(haarline_dsp)]
+    let first = by_fours(out.len(), |fours| unsafe { gradient_across_fours(rows, clips.limits(), out, fours) });
+    #[cfg(not(haarline_dsp))]
+    let first = 1;
+    clip_row(clips, out, first, |i| {
         // SAFETY: the words begin one byte before and one after word `i`, which is neither the first nor the last.
         let across = |row| unsafe { signed_sub(word(row, 4 * i + 1), word(row, 4 * i - 1)) };
         signed_add(across(a), across(b))
@@ -108,7 +115,12 @@ pub(crate) fn gradient_across(rows: [&[u32]; 2], clips: Clips, out: &mut [u32]) 
 pub(crate) fn gradient_down(rows: [&[u32]; 2], clips: Clips, out: &mut [u32]) {
     let [above, below] = rows;
     assert!(above.len() == out.len() && below.len() == out.len());
-    clip_row(clips, out, |i| {
+    // SAFETY: the rows have `4 * fours + 2` words and more.
+    #[cfg(haarline_dsp)]
+    let first = by_fours(out.len(), |fours| unsafe { gradient_down_fours(rows, clips.limits(), out, fours) });
+    #[cfg(not(haarline_dsp))]
+    let first = 1;
+    clip_row(clips, out, first, |i| {
         // SAFETY: word `i` is neither the first nor the last.
         let down = |byte| unsafe { signed_sub(word(below, byte), word(above, byte)) };
         signed_add(down(4 * i), down(4 * i + 1))
