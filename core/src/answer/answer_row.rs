@@ -1,11 +1,11 @@
 //! Two image rows of answers: planes through neighbouring cells, the choice of surface at jumps, hidden pixels.
 
 use crate::answer::cell::HALF;
-use crate::answer::cell_row::{CellRow, blend, is_same_surface};
+use crate::answer::cell_row::{CellRow, blend, blend_pair, is_same_surface, word};
 use crate::answer::median::Neighbourhood;
 use crate::front_end::camera_view::Row;
 use crate::lanes::rows::{least_of_three, load, store, window_sad};
-use crate::lanes::{add_halves, max, select_ge, splat, sub_halves};
+use crate::lanes::{add_halves, max, select_ge, signed_halved_sum_halves, splat, splat_half, sub_halves};
 use crate::{Config, Disparity};
 
 /// What is added to the pixels of [`AnswerRow`], 1/64 px, so that none is negative.
@@ -55,29 +55,40 @@ impl<const WORDS: usize> AnswerRow<WORDS> {
     /// Lays a plane through each cell and its neighbours on the same surface.
     #[inline(never)]
     fn lay_planes(&mut self, rows: [&CellRow<WORDS>; 3], median: &[u8; WORDS], cells: usize) {
-        let [above, row, below] = rows.map(|row| &row.value[..cells]);
-        let (labels, slopes, median) = (&rows[1].label[..cells], &rows[1].slope[..cells], &median[..cells]);
-        let (pixels, downs) = (&mut self.pixels[..cells], &mut self.slope[..cells]);
-        for c in 0..cells {
-            let (mut here, mut across) = (i32::from(row[c]), i32::from(slopes[c]));
-            if median[c] != labels[c] {
-                here = (i32::from(median[c]) << 8) + HALF.cast_signed();
-                let beside = |value: Option<&u16>| {
-                    let value = value.map(|&value| i32::from(value));
-                    (value.unwrap_or(0), value.is_some_and(|value| is_same_surface(value, here)))
-                };
-                (here, across) = blend(here, [beside(c.checked_sub(1).and_then(|c| row.get(c))), beside(row.get(c + 1))]);
+        let count = cells.div_ceil(2);
+        let row = &rows[1].value[..cells];
+        let values = rows.map(|row| &row.value.as_chunks::<2>().0[..count]);
+        let slopes = &rows[1].slope.as_chunks::<2>().0[..count];
+        let labels = &rows[1].label.as_chunks::<2>().0[..count];
+        let medians = &median.as_chunks::<2>().0[..count];
+        let (pixels, downs) = (&mut self.pixels.as_chunks_mut::<2>().0[..count], &mut self.slope.as_chunks_mut::<2>().0[..count]);
+        for i in 0..count {
+            let (mut here, mut across) = (word(values[1][i]), word(slopes[i].map(i16::cast_unsigned)));
+            if u16::from_le_bytes(medians[i]) != u16::from_le_bytes(labels[i]) {
+                for half in 0..2 {
+                    if medians[i][half] != labels[i][half] {
+                        let (value, slope) = outvoted(row, 2 * i + half, medians[i][half]);
+                        let keep = 0xffff_0000 >> (16 * half);
+                        here = here & keep | (value.cast_unsigned() & 0xffff) << (16 * half);
+                        across = across & keep | (slope.cast_unsigned() & 0xffff) << (16 * half);
+                    }
+                }
             }
-            let vertical = [above[c], below[c]].map(|value| {
-                let value = i32::from(value);
-                (value, is_same_surface(value, here))
-            });
-            let (here, down) = blend(here, vertical);
+            let (here, down) = blend_pair(here, word(values[0][i]), word(values[2][i]));
             // A quarter of the slope lies between two columns.
-            let middle = (here >> 2) + OFFSET - HALF.cast_signed() / 4;
-            let (near, far) = (across >> 5, (across * 3) >> 5);
-            pixels[c] = [pair(middle - far, middle - near), pair(middle + near, middle + far)];
-            downs[c] = (down >> 4) as i16;
+            let middle = add_halves(here >> 2 & 0x3fff_3fff, splat_half((OFFSET - HALF.cast_signed() / 4).cast_unsigned()));
+            let thrice = add_halves(add_halves(across, across), across);
+            let low = |word: u32| i32::from(word as u16 as i16);
+            let high = |word: u32| word.cast_signed() >> 16;
+            for half in 0..2 {
+                let (near, far, middle) = if half == 0 {
+                    (low(across) >> 5, low(thrice) >> 5, middle & 0xffff | middle << 16)
+                } else {
+                    (high(across) >> 5, high(thrice) >> 5, middle >> 16 | middle & 0xffff_0000)
+                };
+                pixels[i][half] = [sub_halves(middle, pair(far, near)), add_halves(middle, pair(near, far))];
+            }
+            downs[i] = [(low(down) >> 4) as i16, (high(down) >> 4) as i16];
         }
     }
 
@@ -191,15 +202,28 @@ impl<const WORDS: usize> AnswerRow<WORDS> {
     pub(crate) fn write(&self, is_lower: bool, config: &Config, out: &mut [[Disparity; 4]; WORDS]) {
         let cells = usize::from(config.width).div_ceil(4);
         // The offset goes and the least disparity comes; 1/2 of 1/16 px rounds.
-        let base = pair_of(16 * i32::from(config.min_disparity) - OFFSET / 4);
+        let base = pair_of(2 * (16 * i32::from(config.min_disparity) - OFFSET / 4));
         let half = pair_of(2);
-        for ((pixels, &slope), out) in self.pixels[..cells].iter().zip(&self.slope).zip(out) {
+        let rows = self.pixels[..cells].iter().zip(&self.slope[..cells]).zip(&mut out[..cells]);
+        for ((pixels, &slope), out) in rows {
             let slope = pair_of(i32::from(slope));
             let rounded = if is_lower { add_halves(half, slope) } else { sub_halves(half, slope) };
-            let [a, b] = pixels.map(|pair| add_halves(add_halves(pair, rounded) >> 2 & 0x3fff_3fff, base));
+            // Halved twice: a quarter, and half of twice the base.
+            let [a, b] = pixels.map(|pair| signed_halved_sum_halves(signed_halved_sum_halves(pair, rounded), base));
             *out = [a, a >> 16, b, b >> 16].map(|bits| Disparity::from_bits(bits as u16 as i16));
         }
     }
+}
+
+/// The value of a cell that takes the label of its neighbours, and its slope along the row.
+#[inline(never)]
+fn outvoted(row: &[u16], cell: usize, label: u8) -> (i32, i32) {
+    let here = (i32::from(label) << 8) + HALF.cast_signed();
+    let beside = |value: Option<&u16>| {
+        let value = value.map(|&value| i32::from(value));
+        (value.unwrap_or(0), value.is_some_and(|value| is_same_surface(value, here)))
+    };
+    blend(here, [beside(cell.checked_sub(1).and_then(|before| row.get(before))), beside(row.get(cell + 1))])
 }
 
 /// Two numbers of 16 bits in a word.

@@ -31,6 +31,14 @@ operations! {
     signed_halved_sum = "shadd8";
     /// Sum of the four absolute differences of unsigned lanes.
     sad = "usad8";
+    /// Saturating difference of unsigned halves.
+    sub_saturating_halves = "uqsub16";
+    /// Half of the sum of unsigned halves, rounded down.
+    halved_sum_halves = "uhadd16";
+    /// Half of the difference of unsigned halves, rounded down, modulo 2^16.
+    halved_difference_halves = "uhsub16";
+    /// Half of the sum of signed halves, rounded down.
+    signed_halved_sum_halves = "shadd16";
 }
 
 /// Sum of the four absolute differences of unsigned lanes, added to `sum`.
@@ -58,6 +66,18 @@ pub(crate) fn select_ge(a: u32, b: u32, x: u32, y: u32) -> u32 {
     // SAFETY: works on registers only.
     unsafe {
         asm!("usub8 {r}, {a}, {b}", "sel {r}, {x}, {y}", r = out(reg) result, a = in(reg) a, b = in(reg) b, x = in(reg) x, y = in(reg) y,
+            options(pure, nomem, nostack));
+    }
+    result
+}
+
+/// In each unsigned half `x` where `a >= b`, else `y`.
+#[inline(always)]
+pub(crate) fn select_ge_halves(a: u32, b: u32, x: u32, y: u32) -> u32 {
+    let result;
+    // SAFETY: works on registers only.
+    unsafe {
+        asm!("usub16 {r}, {a}, {b}", "sel {r}, {x}, {y}", r = out(reg) result, a = in(reg) a, b = in(reg) b, x = in(reg) x, y = in(reg) y,
             options(pure, nomem, nostack));
     }
     result

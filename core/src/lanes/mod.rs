@@ -56,3 +56,15 @@ pub(crate) fn difference(a: u32, b: u32) -> u32 {
 pub(crate) fn zero_lane_bits(word: u32) -> u32 {
     select_ge(0, word, ONES, 0).trailing_zeros() & 24
 }
+
+/// `|a - b|` of unsigned halves.
+#[inline(always)]
+pub(crate) fn difference_of_halves(a: u32, b: u32) -> u32 {
+    sub_saturating_halves(a, b) | sub_saturating_halves(b, a)
+}
+
+/// The same 16 bits in each half.
+#[inline(always)]
+pub(crate) const fn splat_half(half: u32) -> u32 {
+    half * 0x0001_0001
+}

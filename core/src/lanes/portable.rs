@@ -134,6 +134,44 @@ pub(crate) const fn sub_halves(a: u32, b: u32) -> u32 {
     ((a | 0x8000_8000) - (b & 0x7fff_7fff)) ^ ((a ^ !b) & 0x8000_8000)
 }
 
+/// What a function makes of each pair of halves.
+#[inline(always)]
+fn by_halves(a: u32, b: u32, f: impl Fn(u32, u32) -> u32) -> u32 {
+    f(a & 0xffff, b & 0xffff) & 0xffff | f(a >> 16, b >> 16) << 16
+}
+
+/// Saturating difference of unsigned halves (UQSUB16).
+#[inline(always)]
+pub(crate) fn sub_saturating_halves(a: u32, b: u32) -> u32 {
+    by_halves(a, b, u32::saturating_sub)
+}
+
+/// Half of the sum of unsigned halves, rounded down (UHADD16).
+#[inline(always)]
+pub(crate) fn halved_sum_halves(a: u32, b: u32) -> u32 {
+    by_halves(a, b, |a, b| (a + b) >> 1)
+}
+
+/// Half of the difference of unsigned halves, rounded down, modulo 2^16 (UHSUB16).
+#[inline(always)]
+pub(crate) fn halved_difference_halves(a: u32, b: u32) -> u32 {
+    by_halves(a, b, |a, b| a.wrapping_sub(b) >> 1)
+}
+
+/// Half of the sum of signed halves, rounded down (SHADD16).
+#[inline(always)]
+pub(crate) fn signed_halved_sum_halves(a: u32, b: u32) -> u32 {
+    halved_sum_halves(a ^ 0x8000_8000, b ^ 0x8000_8000) ^ 0x8000_8000
+}
+
+/// In each unsigned half `x` where `a >= b`, else `y` (USUB16, SEL).
+#[inline(always)]
+pub(crate) fn select_ge_halves(a: u32, b: u32, x: u32, y: u32) -> u32 {
+    let low = if a & 0xffff >= b & 0xffff { x } else { y };
+    let high = if a >> 16 >= b >> 16 { x } else { y };
+    low & 0xffff | high & 0xffff_0000
+}
+
 /// Sum of the lanes modulo 256 (UADD8).
 #[inline(always)]
 pub(crate) const fn wrapping_add(a: u32, b: u32) -> u32 {

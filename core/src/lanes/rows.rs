@@ -127,29 +127,43 @@ pub(crate) fn gradient_down(rows: [&[u32]; 2], clips: Clips, out: &mut [u32]) {
     });
 }
 
-/// Haar responses of half-support 2 in the words `at` and `at + 1`: mean of two columns by the rows given, less that of the
-/// two columns before; 0 where it falls (where it rises if `falling`).
+/// Haar responses of half-support 2 along a row of tiles: mean of two columns by two or four rows, less that of the two
+/// columns before; 0 where it falls (where it rises if `FALLING`). Two words a tile.
+///
+/// The rows must reach one word beyond the last tile.
 #[inline(always)]
-pub(crate) fn responses(rows: &[&[u32]], at: usize, falling: bool) -> [u32; 2] {
-    for row in rows {
-        assert!(at + 3 <= row.len() && at > 0);
-    }
-    [at, at + 1].map(|at| {
-        // SAFETY: from two bytes before word `at` to one byte after word `at + 1`.
-        let mean = |offset: usize| unsafe {
-            match *rows {
-                [a, b] => signed_halved_sum(word(a, 4 * at + offset - 2), word(b, 4 * at + offset - 2)),
-                [a, b, c, d] => signed_halved_sum(
-                    signed_halved_sum(word(b, 4 * at + offset - 2), word(c, 4 * at + offset - 2)),
-                    signed_halved_sum(word(a, 4 * at + offset - 2), word(d, 4 * at + offset - 2)),
-                ),
-                _ => 0,
-            }
+pub(crate) fn haar_responses<const WORDS: usize, const ROWS: usize, const FALLING: bool>(
+    rows: [&[u32; WORDS]; ROWS],
+    tiles: usize,
+    mut take: impl FnMut([u32; 2]),
+) {
+    let mean = |words: [u32; ROWS]| match words[..] {
+        [a, b] => signed_halved_sum(a, b),
+        [a, b, c, d] => signed_halved_sum(signed_halved_sum(b, c), signed_halved_sum(a, d)),
+        _ => 0,
+    };
+    // The words after the first one of a tile and after the second.
+    let pairs = rows.map(|row| &row[2..].as_chunks::<2>().0[..tiles]);
+    let margin = mean(rows.map(|row| row[0]));
+    let mut column = mean(rows.map(|row| row[1]));
+    let mut before = pair_means(margin, column);
+    for tile in 0..tiles {
+        let mut word = |next: u32| {
+            let after = pair_means(column, next);
+            let two_before = before >> 16 | after << 16;
+            (column, before) = (next, after);
+            if FALLING { sub(two_before, after) } else { sub(after, two_before) }
         };
-        let before = signed_halved_sum(mean(0), mean(1)) ^ FLIP;
-        let after = signed_halved_sum(mean(2), mean(3)) ^ FLIP;
-        if falling { sub(before, after) } else { sub(after, before) }
-    })
+        let first = word(mean(pairs.map(|pairs| pairs[tile][0])));
+        let second = word(mean(pairs.map(|pairs| pairs[tile][1])));
+        take([first, second]);
+    }
+}
+
+/// Means of each column and the next, unsigned, of columns that are signed.
+#[inline(always)]
+fn pair_means(word: u32, next: u32) -> u32 {
+    signed_halved_sum(word, word >> 8 | next << 24) ^ FLIP
 }
 
 /// Sums of absolute differences of the four cells of a tile, 4 x 2 px each: left and right of the upper two rows, then of the
