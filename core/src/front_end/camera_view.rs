@@ -3,7 +3,7 @@
 use crate::front_end::exposure::Gain;
 use crate::front_end::noise::SmoothingLevel;
 use crate::lanes;
-use crate::lanes::rows::{Clips, FLIP, Mean, gradient_across, gradient_down, mean_across, mean_down};
+use crate::lanes::rows::{Clips, Mean, fill, gradient_across, gradient_down, mean_across, mean_down};
 
 /// Rows as they came that are kept: those of the widest filter.
 const RAW_ROWS: u32 = 5;
@@ -62,14 +62,7 @@ impl<const WORDS: usize> CameraView<WORDS> {
     pub(crate) fn push(&mut self, pixels: &[u8], gain: Gain) {
         let row = &mut self.raw[(self.raw_len % RAW_ROWS) as usize];
         self.raw_len += 1;
-        match gain.doublings() {
-            0 => fill(row, pixels, |word| word ^ FLIP),
-            1 => fill(row, pixels, |word| lanes::add(word, word) ^ FLIP),
-            _ => fill(row, pixels, |word| {
-                let twice = lanes::add(word, word);
-                lanes::add(twice, twice) ^ FLIP
-            }),
-        }
+        fill(row, pixels, gain.doublings());
         replicate_borders(row, pixels.len());
     }
 
@@ -159,22 +152,6 @@ fn smoothed<'a, const WORDS: usize>(
     y: u32,
 ) -> &'a Row<WORDS> {
     if is_smoothed >> (y % 32) & 1 == 1 { &smooth[(y % SMOOTH_ROWS) as usize] } else { &raw[(y % RAW_ROWS) as usize] }
-}
-
-/// Fills a row with the words of its pixels.
-#[inline(always)]
-fn fill(row: &mut [u32], pixels: &[u8], word: impl Fn(u32) -> u32) {
-    let Some(row) = row.get_mut(1..) else { return };
-    let (eights, rest) = pixels.as_chunks::<8>();
-    let (pairs, _) = row.as_chunks_mut::<2>();
-    for (to, &[a, b, c, d, e, f, g, h]) in pairs.iter_mut().zip(eights) {
-        *to = [word(u32::from_le_bytes([a, b, c, d])), word(u32::from_le_bytes([e, f, g, h]))];
-    }
-    for (to, rest) in row.iter_mut().skip(2 * eights.len()).zip(rest.chunks(4)) {
-        let mut last = [0; 4];
-        last[..rest.len()].copy_from_slice(rest);
-        *to = word(u32::from_le_bytes(last));
-    }
 }
 
 /// Fills the margins of a row of `width` columns with its first and its last column.

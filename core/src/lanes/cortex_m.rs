@@ -253,3 +253,32 @@ pub(crate) unsafe fn gradient_down_fours(rows: [&[u32]; 2], limits: [Option<[u32
         }
     }
 }
+
+/// Copies `8 * eights` words, their bytes flipped.
+///
+/// # Safety
+/// `from` must be aligned and both must have so many words; `eights` must not be 0.
+#[inline(always)]
+pub(crate) unsafe fn flip_eights(from: *const u32, to: *mut u32, eights: usize) {
+    // SAFETY: as the caller promises.
+    unsafe {
+        asm!(
+            "2:",
+            "ldm {from}!, {{r0, r1, r2, r3, r4, r5, r8, r9}}",
+            "eor r0, r0, #0x80808080",
+            "eor r1, r1, #0x80808080",
+            "eor r2, r2, #0x80808080",
+            "eor r3, r3, #0x80808080",
+            "eor r4, r4, #0x80808080",
+            "eor r5, r5, #0x80808080",
+            "eor r8, r8, #0x80808080",
+            "eor r9, r9, #0x80808080",
+            "stm {to}!, {{r0, r1, r2, r3, r4, r5, r8, r9}}",
+            "cmp {from}, {end}",
+            "bne 2b",
+            from = inout(reg) from => _, to = inout(reg) to => _, end = in(reg) from.add(8 * eights),
+            out("r0") _, out("r1") _, out("r2") _, out("r3") _, out("r4") _, out("r5") _, out("r8") _, out("r9") _,
+            options(nostack),
+        );
+    }
+}

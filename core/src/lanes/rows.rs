@@ -127,6 +127,46 @@ pub(crate) fn gradient_down(rows: [&[u32]; 2], clips: Clips, out: &mut [u32]) {
     });
 }
 
+/// Fills the words of a row after its first with pixels, doubled so often, saturating, and made signed.
+pub(crate) fn fill(row: &mut [u32], pixels: &[u8], doublings: u32) {
+    let Some(row) = row.get_mut(1..) else { return };
+    assert!(pixels.len() <= 4 * row.len());
+    let mut done = 0;
+    #[cfg(haarline_dsp)]
+    if doublings == 0 && pixels.as_ptr().cast::<u32>().is_aligned() && pixels.len() >= 32 {
+        let eights = pixels.len() / 32;
+        done = 8 * eights;
+        // SAFETY: aligned; the pixels have 32 * eights bytes, and the row as many.
+        unsafe { super::flip_eights(pixels.as_ptr().cast(), row.as_mut_ptr(), eights) };
+    }
+    let doubled = |word| (0..doublings).fold(word, |word, _| add(word, word)) ^ FLIP;
+    let (words, rest) = pixels[4 * done..].as_chunks::<4>();
+    let row = &mut row[done..];
+    for (to, &word) in row.iter_mut().zip(words) {
+        *to = doubled(u32::from_le_bytes(word));
+    }
+    if let Some(to) = row.get_mut(words.len())
+        && !rest.is_empty()
+    {
+        let mut last = [0; 4];
+        last[..rest.len()].copy_from_slice(rest);
+        *to = doubled(u32::from_le_bytes(last));
+    }
+}
+
+/// `|[1 -2 1] x [1 -2 1]|` of the three columns from `byte` on of three rows of signed bytes; a fourth must follow.
+#[inline(always)]
+pub(crate) fn second_difference<const WORDS: usize>(rows: [&[u32; WORDS]; 3], byte: usize) -> u32 {
+    assert!(byte + 4 <= 4 * WORDS);
+    // SAFETY: checked above.
+    let [a, b, c] = rows.map(|row| unsafe { word(row, byte) } ^ FLIP);
+    let even = |word, sum| sad_add(word & 0x00ff_00ff, 0, sum);
+    let odd = |word: u32| word >> 8 & 0xff;
+    let corners = even(a, even(c, 4 * odd(b)));
+    let edges = even(b, odd(a) + odd(c));
+    corners.abs_diff(2 * edges)
+}
+
 /// Haar responses of half-support 2 along a row of tiles: mean of two columns by two or four rows, less that of the two
 /// columns before; 0 where it falls (where it rises if `FALLING`). Two words a tile.
 ///

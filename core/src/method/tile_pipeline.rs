@@ -336,7 +336,7 @@ impl<const AGREEMENT: bool, const BLOCKS: usize, C: StageClock> Tiled<AGREEMENT,
         if self.rows >= 2 && is_whole {
             let y = i64::from(self.rows) - 1;
             for (view, histogram) in [&self.left, &self.right].into_iter().zip(&mut self.histograms) {
-                let rows = [y - 1, y, y + 1].map(|y| &view.raw(y)[..]);
+                let rows = [y - 1, y, y + 1].map(|y| view.raw(y));
                 histogram.sample(rows, sampling.first, sampling.stride, sampling.weight, width);
             }
         }
