@@ -4,8 +4,8 @@ use crate::answer::cell::HALF;
 use crate::answer::cell_row::{CellRow, blend, blend_pair, is_same_surface, word};
 use crate::answer::median::Neighbourhood;
 use crate::front_end::camera_view::Row;
-use crate::lanes::rows::{least_of_three, load, store, window_sad};
-use crate::lanes::{add_halves, max, select_ge, signed_halved_sum_halves, splat, splat_half, sub_halves};
+use crate::lanes::rows::{least_of_three, load, update, window_sad};
+use crate::lanes::{ONES, add, add_halves, difference, max, select_ge, signed_halved_sum_halves, splat, splat_half, sub_halves};
 use crate::{Config, Disparity};
 
 /// What is added to the pixels of [`AnswerRow`], 1/64 px, so that none is negative.
@@ -101,14 +101,35 @@ impl<const WORDS: usize> AnswerRow<WORDS> {
         median: &[u8],
         surfaces: &mut Surfaces<WORDS>,
     ) {
-        let last = 4 * (median.len() + 1);
-        let mut before = median.first().copied().unwrap_or(0);
-        for (c, &here) in median.iter().enumerate() {
-            let labels = [before, here];
+        let mut before = u32::from(median.first().copied().unwrap_or(0)) << 24;
+        let (fours, rest) = median.as_chunks::<4>();
+        let rest = (!rest.is_empty()).then(|| core::array::from_fn(|i| rest.get(i).or(rest.last()).copied().unwrap_or(0)));
+        for (four, &labels) in fours.iter().chain(&rest).enumerate() {
+            let here = u32::from_le_bytes(labels);
+            // Set in the lanes of the cells that a jump is before.
+            let jumps = select_ge(difference(here, here << 8 | before >> 24), splat(2), ONES, 0);
             before = here;
-            if labels[0].abs_diff(here) <= 1 {
-                continue;
+            if jumps != 0 {
+                for lane in (0..4).filter(|lane| jumps >> (8 * lane) & 1 == 1) {
+                    self.choose_at(config, sources, median, 4 * four + lane, surfaces);
+                }
             }
+        }
+    }
+
+    /// The same at the jump before a cell.
+    #[inline(never)]
+    fn choose_at(
+        &mut self,
+        config: &Config,
+        sources: &Sources<'_, WORDS>,
+        median: &[u8],
+        c: usize,
+        surfaces: &mut Surfaces<WORDS>,
+    ) {
+        let last = 4 * (median.len() + 1);
+        if let Some(&[before, here]) = c.checked_sub(1).and_then(|c| median.get(c..)).and_then(|m| m.first_chunk::<2>()) {
+            let labels = [before, here];
             // Windows of four columns around the two halves beside the jump.
             for (half, cell) in [(1, c - 1), (0, c)] {
                 let column = 4 * cell + 2 * half + 3;
@@ -144,27 +165,28 @@ impl<const WORDS: usize> AnswerRow<WORDS> {
             }
         }
         let origin = 4 - i32::from(config.min_disparity);
-        for (c, &[a, b]) in surfaces.iter().enumerate() {
-            let at = |label: u8| (4 * c as i32 + origin - i32::from(label)).cast_unsigned() as usize;
+        let mut column = origin;
+        for &[a, b] in surfaces {
+            let at = |label: u8| (column - i32::from(label)).cast_unsigned() as usize;
             if a == b {
-                let at = at(a);
-                store(claims, at, max(load(claims, at), splat(u32::from(a))));
+                claim(claims, at(a), splat(u32::from(a)));
             } else {
-                for (label, half) in [(a, 0x0000_ffff), (b, 0xffff_0000)] {
-                    let at = at(label);
-                    store(claims, at, max(load(claims, at), splat(u32::from(label)) & half));
-                }
+                claim(claims, at(a), splat(u32::from(a)) & 0x0000_ffff);
+                claim(claims, at(b), splat(u32::from(b)) & 0xffff_0000);
             }
+            column += 4;
         }
         let mut first_hidden = None;
         let mut seen_before = None;
+        let mut column = origin;
         for (c, &[a, b]) in surfaces.iter().enumerate() {
-            let hidden = |label: u8| {
-                let at = (4 * c as i32 + origin - i32::from(label)).cast_unsigned() as usize;
-                let nearest = least_of_three(claims, at);
-                select_ge(nearest, splat((u32::from(label) + 2).min(255)), u32::MAX, 0)
+            let at = |label: u8| (column - i32::from(label)).cast_unsigned() as usize;
+            let mask = if a == b {
+                hidden(claims, at(a), a)
+            } else {
+                hidden(claims, at(a), a) & 0x0000_ffff | hidden(claims, at(b), b) & 0xffff_0000
             };
-            let mask = if a == b { hidden(a) } else { hidden(a) & 0x0000_ffff | hidden(b) & 0xffff_0000 };
+            column += 4;
             if mask == 0 {
                 // Seen: it may be what lies behind the hidden ones before it.
                 if let Some(first) = first_hidden.take() {
@@ -212,6 +234,24 @@ impl<const WORDS: usize> AnswerRow<WORDS> {
             let [a, b] = pixels.map(|pair| signed_halved_sum_halves(signed_halved_sum_halves(pair, rounded), base));
             *out = [a, a >> 16, b, b >> 16].map(|bits| Disparity::from_bits(bits as u16 as i16));
         }
+    }
+}
+
+/// Claims four columns of the right view, from a byte on.
+#[inline(always)]
+fn claim(claims: &mut [u32], byte: usize, labels: u32) {
+    update(claims, byte, |claimed| max(claimed, labels));
+}
+
+/// Those of four columns of the right view, from a byte on, that are claimed by something nearer than a label, with both
+/// beside them.
+#[inline(always)]
+fn hidden(claims: &[u32], byte: usize, label: u8) -> u32 {
+    let nearer = add(splat(u32::from(label)), splat(2));
+    // Mostly nothing nearer is there.
+    match select_ge(load(claims, byte), nearer, u32::MAX, 0) {
+        0 => 0,
+        _ => select_ge(least_of_three(claims, byte), nearer, u32::MAX, 0),
     }
 }
 

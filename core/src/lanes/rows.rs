@@ -263,22 +263,25 @@ impl Window {
     }
 }
 
-/// The word at any byte of a row; 0 where it lies outside.
+/// The word at any byte of a row; all bits set where it lies outside.
 #[inline(always)]
 pub(crate) fn load(row: &[u32], byte: usize) -> u32 {
-    if byte + 4 > 4 * row.len() {
-        return 0;
+    if byte > (4 * row.len()).saturating_sub(4) || row.is_empty() {
+        return u32::MAX;
     }
     // SAFETY: checked above.
     unsafe { word(row, byte) }
 }
 
-/// Stores a word at any byte of a row; nothing where it lies outside.
+/// Changes the word at any byte of a row; nothing where it lies outside.
 #[inline(always)]
-pub(crate) fn store(row: &mut [u32], byte: usize, value: u32) {
-    if byte + 4 <= 4 * row.len() {
-        // SAFETY: checked.
-        unsafe { row.as_mut_ptr().cast::<u8>().add(byte).cast::<u32>().write_unaligned(value.to_le()) };
+pub(crate) fn update(row: &mut [u32], byte: usize, change: impl FnOnce(u32) -> u32) {
+    if byte <= (4 * row.len()).saturating_sub(4) && !row.is_empty() {
+        // SAFETY: checked above.
+        unsafe {
+            let value = change(word(row, byte));
+            row.as_mut_ptr().cast::<u8>().add(byte).cast::<u32>().write_unaligned(value.to_le());
+        }
     }
 }
 
