@@ -49,14 +49,30 @@ pub(crate) struct Trials {
     keys: [u32; MOST],
     /// Sums of the four cells, two in a word: the upper and the lower ones.
     cells: [[u32; 2]; MOST],
-    len: usize,
-    /// For each label the tile that tried it last, and its place in the list: 12 and 4 bits.
-    places: [u16; 256],
+    /// For each label the tile that tried it last, and its place in the list: 12 and 4 bits. The last one stands for no label.
+    places: [u16; PLACES],
 }
+
+/// Places of labels: a power of two, so that a mask keeps within it whatever stands for no label.
+const PLACES: usize = 512;
 
 impl Trials {
     pub(crate) const fn new() -> Self {
-        Self { keys: [0; MOST], cells: [[0; 2]; MOST], len: 0, places: [0; 256] }
+        Self { keys: [0; MOST], cells: [[0; 2]; MOST], places: [u16::MAX; PLACES] }
+    }
+
+    /// The place of a label, if the tile tried it.
+    #[inline(always)]
+    fn place(&self, tile: usize, label: u32) -> Option<usize> {
+        let place = usize::from(self.places[label as usize % PLACES]);
+        (place >> 4 == tile).then_some(place % MOST)
+    }
+
+    /// Puts a label at a place.
+    #[inline(always)]
+    fn put(&mut self, tile: usize, label: u32, place: usize) {
+        self.places[label as usize % PLACES] = (tile << 4 | place) as u16;
+        self.keys[place % MOST] = label;
     }
 }
 
@@ -113,17 +129,28 @@ impl<'a, const WORDS: usize> TileRow<'a, WORDS> {
         if highest < lowest {
             return Tile::NOWHERE;
         }
-        let span = highest - lowest;
-        let mut search = Search { row: self, trials, left: 2 * tile + 1, origin: origin as usize, base: 16 * (tile as u16 + 1) };
-        search.trials.len = 0;
-        for label in hypotheses {
-            if label.wrapping_sub(lowest) <= span {
-                search.propose(label);
+        let mut hypotheses = hypotheses;
+        if lowest > 0 || highest + 1 < self.num_disparities.cast_unsigned() {
+            for label in &mut hypotheses {
+                if *label < lowest || *label > highest {
+                    *label = u32::MAX;
+                }
             }
         }
-        if search.trials.len == 0 {
-            search.propose((lowest + highest) / 2);
+        // No label counts as tried.
+        trials.places[PLACES - 1] = (tile << 4) as u16;
+        let mut len = 0;
+        for label in hypotheses {
+            if trials.place(tile, label).is_none() {
+                trials.put(tile, label, len);
+                len += 1;
+            }
         }
+        if len == 0 {
+            trials.put(tile, (lowest + highest) / 2, 0);
+            len = 1;
+        }
+        let mut search = Search { row: self, trials, tile, origin: origin as usize, len };
         let settings = &self.settings;
         let mut best = 0;
         let mut least = u32::MAX;
@@ -138,7 +165,7 @@ impl<'a, const WORDS: usize> TileRow<'a, WORDS> {
             best
         };
         let mut best = 0;
-        for i in 0..search.trials.len {
+        for i in 0..len {
             let key = search.evaluate(i);
             best = consider(key);
         }
@@ -148,7 +175,8 @@ impl<'a, const WORDS: usize> TileRow<'a, WORDS> {
         // The extremum search with its shortest support: the costs one step before and one after, and a step downhill.
         let start = best;
         let around = |key: u32| {
-            [label_of(key).wrapping_sub(1), label_of(key) + 1].map(|label| (label.wrapping_sub(lowest) <= span).then_some(label))
+            let label = label_of(key);
+            [(label > lowest).then(|| label - 1), (label < highest).then(|| label + 1)]
         };
         let [before, after] = around(start);
         let mut sides = [before.map(|label| search.at(label)), after.map(|label| search.at(label))];
@@ -179,39 +207,24 @@ impl<'a, const WORDS: usize> TileRow<'a, WORDS> {
 struct Search<'a, const WORDS: usize> {
     row: &'a TileRow<'a, WORDS>,
     trials: &'a mut Trials,
-    /// First word of the tile.
-    left: usize,
+    tile: usize,
     /// The byte of the right row that label 0 begins at.
     origin: usize,
-    /// What the tile's places of labels begin with.
-    base: u16,
+    /// How many labels are on the list.
+    len: usize,
 }
 
 impl<const WORDS: usize> Search<'_, WORDS> {
-    /// Puts a label, at most 255, on the list if it is not there.
-    #[inline(always)]
-    fn propose(&mut self, label: u32) {
-        let place = &mut self.trials.places[usize::from(label as u8)];
-        if place.wrapping_sub(self.base) >= 16 {
-            let i = self.trials.len;
-            *place = self.base + i as u16;
-            self.trials.keys[i % MOST] = label;
-            self.trials.len = i + 1;
-        }
-    }
-
     /// The trial of a label, after trying it if that was not done.
     #[inline(always)]
     fn at(&mut self, label: u32) -> u32 {
-        let i = usize::from(self.trials.places[usize::from(label as u8)].wrapping_sub(self.base));
-        if i < 16 {
-            return self.trials.keys[i];
+        if let Some(place) = self.trials.place(self.tile, label) {
+            return self.trials.keys[place];
         }
-        let i = self.trials.len;
-        self.trials.len = i + 1;
-        self.trials.keys[i % MOST] = label;
-        // No later trial of this tile asks for its place.
-        self.evaluate(i)
+        let place = self.len;
+        self.len += 1;
+        self.trials.put(self.tile, label, place);
+        self.evaluate(place)
     }
 
     /// Tries the label at a place of the list.
@@ -219,7 +232,7 @@ impl<const WORDS: usize> Search<'_, WORDS> {
     fn evaluate(&mut self, i: usize) -> u32 {
         crate::count::evaluations(1);
         let label = self.trials.keys[i % MOST];
-        let [a, b, c, d] = tile_sad(self.row.left, self.left, self.row.right, self.origin.wrapping_sub(label as usize));
+        let [a, b, c, d] = tile_sad(self.row.left, 2 * self.tile + 1, self.row.right, self.origin.wrapping_sub(label as usize));
         self.trials.cells[i % MOST] = [a | b << 16, c | d << 16];
         let key = (a + b + c + d) << 12 | (i as u32) << 8 | label;
         self.trials.keys[i % MOST] = key;
@@ -249,7 +262,7 @@ impl<const WORDS: usize> Search<'_, WORDS> {
     #[inline(always)]
     fn cheapest_beside(&self, best: u32) -> u32 {
         let mut other = u32::MAX;
-        for &key in self.trials.keys.iter().take(self.trials.len) {
+        for &key in &self.trials.keys[..self.len.min(MOST)] {
             if label_of(key).wrapping_sub(label_of(best)).wrapping_add(1) > 2 {
                 other = other.min(key);
             }
@@ -289,12 +302,14 @@ impl<const WORDS: usize> Search<'_, WORDS> {
         match self.row.settings.cost {
             CellCost::Own { shift } => {
                 let keep = (0xffff >> shift) * 0x0001_0001;
-                let [a, b] = [0, 1].map(|row| {
-                    let [a, b, c, d] = cells.map(|cells| saturated_halves(cells[row] >> shift & keep));
-                    let (first, second) = (a | b << 8, c | d << 8);
+                let costs = |row: usize| {
+                    let [a, b, c, d] = cells;
+                    let cost = |cells: [u32; 2]| saturated_halves(cells[row] >> shift & keep);
+                    let (first, second) = (cost(a) | cost(b) << 8, cost(c) | cost(d) << 8);
                     [first & 0xffff | second << 16, first >> 16 | second & 0xffff_0000]
-                });
-                [a[0], a[1], b[0], b[1]]
+                };
+                let ([a, b], [c, d]) = (costs(0), costs(1));
+                [a, b, c, d]
             }
             CellCost::Shared { cell, tile } => {
                 let shared = keys.map(|key| tile * sum_of(key));

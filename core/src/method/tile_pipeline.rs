@@ -211,16 +211,15 @@ impl<const AGREEMENT: bool, const BLOCKS: usize, C: StageClock> Tiled<AGREEMENT,
             0 => &[],
             _ => above.label[..2 * tiles].as_chunks::<2>().0,
         };
+        let pair = |tile: usize| above.get(tile).map_or([NOBODY; 2], |pair| pair.map(u32::from));
         let mut rows = [upper.tiles(tiles), lower.tiles(tiles)];
-        let mut pairs = above.iter().copied();
-        let (mut before, mut here) = (NOBODY, pairs.next());
+        let (mut before, mut here) = (NOBODY, pair(0));
         let mut left = NOBODY;
         let mut trials = Trials::new();
         let mut alone = Alone::new();
         for tile in 0..tiles {
-            let next = pairs.next();
-            let [a, b] = here.map_or([NOBODY; 2], |pair| pair.map(u32::from));
-            let after = next.map_or(NOBODY, |pair| u32::from(pair[0]));
+            let next = pair(tile + 1);
+            let ([a, b], after) = (here, next[0]);
             let seeds = match self.parts.seeds {
                 Seeds::Contours => self.seeds.nearest(tile).map(u32::from),
                 Seeds::Random(seed) => [0, 1].map(|i| {
