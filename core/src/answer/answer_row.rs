@@ -2,7 +2,7 @@
 
 use crate::answer::cell::HALF;
 use crate::answer::cell_row::{CellRow, blend, blend_pair, is_same_surface, word};
-use crate::answer::median::Neighbourhood;
+use crate::answer::median::medians;
 use crate::front_end::camera_view::Row;
 use crate::lanes::rows::{least_of_three, load, update, window_sad};
 use crate::lanes::{ONES, add, add_halves, difference, max, select_ge, signed_halved_sum_halves, splat, splat_half, sub_halves};
@@ -42,14 +42,46 @@ impl<const WORDS: usize> AnswerRow<WORDS> {
     /// Answers a cell row.
     pub(crate) fn answer(&mut self, config: &Config, sources: &Sources<'_, WORDS>) {
         let cells = usize::from(config.width).div_ceil(4);
-        let around = Neighbourhood::of(sources.rows, cells);
-        self.lay_planes(sources.rows, &around.median, cells);
-        for (confidence, &value) in self.confidence.iter_mut().zip(&around.confidence[..cells]) {
-            *confidence = [value; 4];
-        }
-        let mut surfaces = around.median.map(|label| [label; 2]);
-        self.choose_surfaces(config, sources, &around.median[..cells], &mut surfaces);
+        let (mut median, mut surfaces) = ([0; WORDS], [[0; 2]; WORDS]);
+        self.survey(sources.rows, cells, &mut median, &mut surfaces);
+        self.lay_planes(sources.rows, &median, cells);
+        self.choose_surfaces(config, sources, &median[..cells], &mut surfaces);
         self.hide(config, &surfaces[..cells]);
+    }
+
+    /// Medians and confidence of the cells; each is of one surface for the time being.
+    #[inline(never)]
+    fn survey(
+        &mut self,
+        rows: [&CellRow<WORDS>; 3],
+        cells: usize,
+        median: &mut [u8; WORDS],
+        surfaces: &mut Surfaces<WORDS>,
+    ) {
+        const EVEN: u32 = 0x00ff_00ff;
+        let (fours, rest) = self.confidence[..cells].as_chunks_mut::<4>();
+        let (median_fours, median_rest) = median[..cells].as_chunks_mut::<4>();
+        let (surface_fours, surface_rest) = surfaces[..cells].as_chunks_mut::<4>();
+        medians(rows, cells, |i, labels, certain| {
+            let certain = certain.to_le_bytes().map(|certain| splat(u32::from(certain)).to_le_bytes());
+            let labels_by_cell = labels.to_le_bytes();
+            if let (Some(four), Some(median), Some(surfaces)) =
+                (fours.get_mut(i), median_fours.get_mut(i), surface_fours.get_mut(i))
+            {
+                *four = certain;
+                *median = labels_by_cell;
+                // Each label twice.
+                let (even, odd) = ((labels & EVEN) * 0x101, (labels >> 8 & EVEN) * 0x101);
+                let [a, b, c, d] = (even & 0xffff | odd << 16).to_le_bytes();
+                let [e, f, g, h] = (even >> 16 | odd & 0xffff_0000).to_le_bytes();
+                *surfaces = [[a, b], [c, d], [e, f], [g, h]];
+            } else {
+                let rest = rest.iter_mut().zip(median_rest.iter_mut()).zip(surface_rest.iter_mut());
+                for (((to, median), surfaces), (certain, label)) in rest.zip(certain.into_iter().zip(labels_by_cell)) {
+                    (*to, *median, *surfaces) = (certain, label, [label; 2]);
+                }
+            }
+        });
     }
 
     /// Lays a plane through each cell and its neighbours on the same surface.

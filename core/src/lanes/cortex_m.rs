@@ -95,6 +95,18 @@ pub(crate) fn max(a: u32, b: u32) -> u32 {
     select_ge(a, b, a, b)
 }
 
+/// The lesser and the greater of unsigned lanes.
+#[inline(always)]
+pub(crate) fn min_max(a: u32, b: u32) -> (u32, u32) {
+    let (least, most);
+    // SAFETY: works on registers only.
+    unsafe {
+        asm!("usub8 {l}, {a}, {b}", "sel {l}, {b}, {a}", "sel {m}, {a}, {b}", l = out(reg) least, m = lateout(reg) most,
+            a = in(reg) a, b = in(reg) b, options(pure, nomem, nostack));
+    }
+    (least, most)
+}
+
 /// Sum of the two 16-bit halves modulo 2^16.
 #[inline(always)]
 pub(crate) fn add_halves(a: u32, b: u32) -> u32 {

@@ -56,6 +56,12 @@ pub(crate) const fn max(a: u32, b: u32) -> u32 {
     select_ge(a, b, a, b)
 }
 
+/// The lesser and the greater of unsigned lanes.
+#[inline(always)]
+pub(crate) const fn min_max(a: u32, b: u32) -> (u32, u32) {
+    (min(a, b), max(a, b))
+}
+
 /// Difference of the lanes modulo 256 (USUB8).
 #[inline(always)]
 pub(crate) const fn wrapping_sub(a: u32, b: u32) -> u32 {

@@ -170,11 +170,11 @@ pub(crate) fn second_difference<const WORDS: usize>(rows: [&[u32; WORDS]; 3], by
 /// Haar responses of half-support 2 along a row of tiles: mean of two columns by two or four rows, less that of the two
 /// columns before; 0 where it falls (where it rises if `FALLING`). Two words a tile.
 ///
-/// The rows must reach one word beyond the last tile.
+/// - `words`: of a row, margins included.
 #[inline(always)]
 pub(crate) fn haar_responses<const WORDS: usize, const ROWS: usize, const FALLING: bool>(
     rows: [&[u32; WORDS]; ROWS],
-    tiles: usize,
+    words: usize,
     mut take: impl FnMut([u32; 2]),
 ) {
     let mean = |words: [u32; ROWS]| match words[..] {
@@ -182,21 +182,28 @@ pub(crate) fn haar_responses<const WORDS: usize, const ROWS: usize, const FALLIN
         [a, b, c, d] => signed_halved_sum(signed_halved_sum(b, c), signed_halved_sum(a, d)),
         _ => 0,
     };
-    // The words after the first one of a tile and after the second.
-    let pairs = rows.map(|row| &row[2..].as_chunks::<2>().0[..tiles]);
     let margin = mean(rows.map(|row| row[0]));
     let mut column = mean(rows.map(|row| row[1]));
     let mut before = pair_means(margin, column);
+    let mut word = |next: u32| {
+        let after = pair_means(column, next);
+        let two_before = before >> 16 | after << 16;
+        (column, before) = (next, after);
+        if FALLING { sub(two_before, after) } else { sub(after, two_before) }
+    };
+    // The words after the first one of a tile and after the second.
+    let tiles = (words - 2) / 2;
+    let pairs = rows.map(|row| &row[2..words].as_chunks::<2>().0[..tiles]);
     for tile in 0..tiles {
-        let mut word = |next: u32| {
-            let after = pair_means(column, next);
-            let two_before = before >> 16 | after << 16;
-            (column, before) = (next, after);
-            if FALLING { sub(two_before, after) } else { sub(after, two_before) }
-        };
         let first = word(mean(pairs.map(|pairs| pairs[tile][0])));
         let second = word(mean(pairs.map(|pairs| pairs[tile][1])));
         take([first, second]);
+    }
+    if !words.is_multiple_of(2) {
+        // Beyond the margin it goes on like it.
+        let margin = mean(rows.map(|row| row[words - 1]));
+        let first = word(margin);
+        take([first, word(margin)]);
     }
 }
 

@@ -49,12 +49,13 @@ impl<const WORDS: usize> TileSeeds<WORDS> {
 
     /// Finds the contours of a row of tiles in the smoothed rows: those that rise on even rows of tiles, those that fall on odd.
     ///
+    /// - `words`: of a row, margins included.
     /// - `strong_noise`: of four rows instead of the middle two.
     pub(crate) fn find_contours(
         &mut self,
         views: [&CameraView<WORDS>; 2],
         tile_row: u32,
-        tiles: usize,
+        words: usize,
         threshold: u32,
         strong_noise: bool,
     ) {
@@ -64,10 +65,10 @@ impl<const WORDS: usize> TileSeeds<WORDS> {
             let rows = [0, 1, 2, 3].map(|y| view.smooth(first + y));
             let middle = [rows[1], rows[2]];
             *len = match (strong_noise, tile_row % 2 == 1) {
-                (false, false) => find::<WORDS, 2, false>(middle, tiles, threshold, contours),
-                (false, true) => find::<WORDS, 2, true>(middle, tiles, threshold, contours),
-                (true, false) => find::<WORDS, 4, false>(rows, tiles, threshold, contours),
-                (true, true) => find::<WORDS, 4, true>(rows, tiles, threshold, contours),
+                (false, false) => find::<WORDS, 2, false>(middle, words, threshold, contours),
+                (false, true) => find::<WORDS, 2, true>(middle, words, threshold, contours),
+                (true, false) => find::<WORDS, 4, false>(rows, words, threshold, contours),
+                (true, true) => find::<WORDS, 4, true>(rows, words, threshold, contours),
             };
         }
     }
@@ -129,13 +130,13 @@ impl<const WORDS: usize> TileSeeds<WORDS> {
 #[inline(never)]
 fn find<const WORDS: usize, const ROWS: usize, const FALLING: bool>(
     rows: [&Row<WORDS>; ROWS],
-    tiles: usize,
+    words: usize,
     threshold: u32,
     contours: &mut [Contour],
 ) -> usize {
     let mut len = 0;
     let mut column = 0;
-    haar_responses::<WORDS, ROWS, FALLING>(rows, tiles, |[a, b]| {
+    haar_responses::<WORDS, ROWS, FALLING>(rows, words, |[a, b]| {
         let most = greatest(max(a, b));
         let strength = most & 0xff;
         if strength >= threshold {

@@ -2,7 +2,7 @@
 
 use crate::answer::answer_row::{AnswerRow, Sources};
 use crate::answer::cell_row::CellRow;
-use crate::front_end::camera_view::{CameraView, TILE_ROWS};
+use crate::front_end::camera_view::{CameraView, TILE_ROWS, words_for};
 use crate::front_end::exposure::{Exposure, Gain};
 use crate::front_end::noise::{Noise, NoiseHistogram, SmoothingLevel};
 use crate::lanes::rows::Clips;
@@ -176,12 +176,11 @@ impl<const AGREEMENT: bool, const BLOCKS: usize, C: StageClock> Tiled<AGREEMENT,
                         self.answer(tile_row);
                     }
                     self.clock.enter(Stage::Contours);
-                    let tiles = self.tiles();
                     let views = [&self.left, &self.right];
                     self.seeds.find_contours(
                         views,
                         done / TILE_ROWS,
-                        tiles,
+                        words_for(width),
                         settings.contour_threshold,
                         settings.strong_noise,
                     );
