@@ -9,7 +9,7 @@ const SAME_SURFACE: i32 = 384;
 
 /// The cells of a row.
 #[derive(Debug, Clone)]
-pub(crate) struct CellRow<const WORDS: usize> {
+pub struct CellRow<const WORDS: usize> {
     /// As [`Cell::value`]; smoothed along the row once it is final.
     pub(crate) value: [u16; WORDS],
     /// Half of what `value` rises from the cell before to the cell after.

@@ -3,7 +3,7 @@
 use crate::front_end::exposure::Gain;
 use crate::front_end::noise::SmoothingLevel;
 use crate::lanes;
-use crate::lanes::rows::{Clips, Mean, fill, gradient_across, gradient_down, mean_across, mean_down};
+use crate::lanes::rows::{Clips, fill, gradient_across, gradient_down, mean_across, mean_down};
 
 /// Rows as they came that are kept: those of the widest filter.
 const RAW_ROWS: u32 = 5;
@@ -11,18 +11,43 @@ const RAW_ROWS: u32 = 5;
 const SMOOTH_ROWS: u32 = 4;
 /// Rows of a tile.
 pub(crate) const TILE_ROWS: u32 = 4;
-/// Rows of tiles whose features are kept: the one that comes in, the one that is matched and the one that is answered.
-const TILE_ROWS_KEPT: u32 = 3;
 
 /// A row: a word of margin, the columns, a word of margin; four columns a word, the lowest byte leftmost.
 pub(crate) type Row<const WORDS: usize> = [u32; WORDS];
 
+/// The features of a row of tiles.
+pub(crate) type TileRows<const WORDS: usize> = [Row<WORDS>; TILE_ROWS as usize];
+
+/// Features of so many rows of tiles: the newest.
+pub trait FeatureRows<const WORDS: usize> {
+    /// Before any.
+    const EMPTY: Self;
+    /// Those of a row of tiles.
+    fn tiles(&self, tile_row: u32) -> &[[u32; WORDS]; 4];
+    /// The same, to be filled.
+    fn tiles_mut(&mut self, tile_row: u32) -> &mut [[u32; WORDS]; 4];
+}
+
+impl<const WORDS: usize, const KEPT: usize> FeatureRows<WORDS> for [[[u32; WORDS]; 4]; KEPT] {
+    const EMPTY: Self = [[[0; WORDS]; 4]; KEPT];
+
+    #[inline(always)]
+    fn tiles(&self, tile_row: u32) -> &[[u32; WORDS]; 4] {
+        &self[tile_row as usize % KEPT]
+    }
+
+    #[inline(always)]
+    fn tiles_mut(&mut self, tile_row: u32) -> &mut [[u32; WORDS]; 4] {
+        &mut self[tile_row as usize % KEPT]
+    }
+}
+
 /// What is kept of one view. Grey levels are signed bytes, 128 less than the camera's.
 #[derive(Debug, Clone)]
-pub(crate) struct CameraView<const WORDS: usize> {
+pub(crate) struct CameraView<const WORDS: usize, F> {
     raw: [Row<WORDS>; RAW_ROWS as usize],
     smooth: [Row<WORDS>; SMOOTH_ROWS as usize],
-    features: [[Row<WORDS>; TILE_ROWS as usize]; TILE_ROWS_KEPT as usize],
+    features: F,
     /// Of the newest 32 smoothed rows, those that were really smoothed; the others are as they came.
     is_smoothed: u32,
     raw_len: u32,
@@ -30,12 +55,12 @@ pub(crate) struct CameraView<const WORDS: usize> {
     features_len: u32,
 }
 
-impl<const WORDS: usize> CameraView<WORDS> {
+impl<const WORDS: usize, F: FeatureRows<WORDS>> CameraView<WORDS, F> {
     pub(crate) const fn new() -> Self {
         Self {
             raw: [[0; WORDS]; RAW_ROWS as usize],
             smooth: [[0; WORDS]; SMOOTH_ROWS as usize],
-            features: [[[0; WORDS]; TILE_ROWS as usize]; TILE_ROWS_KEPT as usize],
+            features: F::EMPTY,
             is_smoothed: 0,
             raw_len: 0,
             smooth_len: 0,
@@ -111,7 +136,7 @@ impl<const WORDS: usize> CameraView<WORDS> {
         let y = self.features_len;
         self.features_len += 1;
         let words = words_for(width);
-        let out = &mut self.features[tile_slot(y / TILE_ROWS)][(y % TILE_ROWS) as usize];
+        let out = &mut self.features.tiles_mut(y / TILE_ROWS)[(y % TILE_ROWS) as usize];
         let smooth = |y: i64| {
             let row = smoothed(&self.raw, &self.smooth, self.is_smoothed, clamp(y, self.smooth_len));
             &row[..words]
@@ -126,13 +151,9 @@ impl<const WORDS: usize> CameraView<WORDS> {
     }
 
     /// The features of a row of tiles.
-    pub(crate) fn tiles(&self, tile_row: u32) -> &[Row<WORDS>; TILE_ROWS as usize] {
-        &self.features[tile_slot(tile_row)]
+    pub(crate) fn tiles(&self, tile_row: u32) -> &TileRows<WORDS> {
+        self.features.tiles(tile_row)
     }
-}
-
-const fn tile_slot(tile_row: u32) -> usize {
-    (tile_row % TILE_ROWS_KEPT) as usize
 }
 
 /// Words of a row of `width` columns, margins included.

@@ -23,7 +23,7 @@ struct Column {
 
 /// What a row of tiles knows of itself and of the one above.
 #[derive(Debug, Clone)]
-pub(crate) struct Paths<const WORDS: usize> {
+pub struct Paths<const WORDS: usize> {
     columns: [Column; WORDS],
 }
 

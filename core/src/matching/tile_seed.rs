@@ -1,7 +1,7 @@
 //! Seeds: for each tile the disparities of the nearest contours that both views see.
 
 use crate::Config;
-use crate::front_end::camera_view::{CameraView, Row};
+use crate::front_end::camera_view::{CameraView, FeatureRows, Row};
 use crate::lanes::rows::{Window, haar_responses};
 use crate::lanes::{ONES, greatest, max, select_ge};
 
@@ -51,9 +51,9 @@ impl<const WORDS: usize> TileSeeds<WORDS> {
     ///
     /// - `words`: of a row, margins included.
     /// - `strong_noise`: of four rows instead of the middle two.
-    pub(crate) fn find_contours(
+    pub(crate) fn find_contours<F: FeatureRows<WORDS>>(
         &mut self,
-        views: [&CameraView<WORDS>; 2],
+        views: [&CameraView<WORDS, F>; 2],
         tile_row: u32,
         words: usize,
         threshold: u32,

@@ -1,16 +1,15 @@
 //! The pipeline of `full` and `lite`: rows in, tiles matched row by row, rows out, the work spread over the rows.
 
 use crate::answer::answer_row::{AnswerRow, Sources};
-use crate::answer::cell_row::CellRow;
 use crate::front_end::camera_view::{CameraView, TILE_ROWS, words_for};
 use crate::front_end::exposure::{Exposure, Gain};
 use crate::front_end::noise::{Noise, NoiseHistogram, SmoothingLevel};
 use crate::lanes::rows::Clips;
 use crate::matching::agreement::Penalties;
 use crate::matching::alone::Alone;
-use crate::matching::path::Paths;
 use crate::matching::tile::{CellCost, TileRow, TileSettings, Trials};
 use crate::matching::tile_seed::TileSeeds;
+use crate::method::deciding::{CellRows, Matching, MaybePaths};
 use crate::method::parts::{Parts, Seeds};
 use crate::stage::{Stage, StageClock, Untimed};
 use crate::{Config, ConfigError, Disparity, DisparityRow, RowError, ScanlinePair, StereoMethod, blocks_for};
@@ -21,8 +20,6 @@ const SMOOTH_LAG: u32 = 2;
 const NOBODY: u32 = u32::MAX / 2;
 /// Rows of a cell.
 const CELL_HEIGHT: u32 = 2;
-/// Cell rows that are kept: three for an answer and those under way.
-const CELL_ROWS: u32 = 5;
 
 /// What depends on the noise.
 #[derive(Clone, Copy)]
@@ -34,21 +31,21 @@ struct Settings {
     penalties: Penalties,
 }
 
-/// A stereo method by tiles; with `AGREEMENT` neighbouring cells agree on their labels, without it each decides alone.
+/// A stereo method by tiles, whose cells come to their labels by `M`.
 ///
 /// `BLOCKS` is the capacity: [`blocks_for`] the widest row. Of the same rows every capacity makes the same answer.
 #[derive(Debug, Clone)]
-pub struct Tiled<const AGREEMENT: bool, const BLOCKS: usize, C = Untimed> {
+pub struct Tiled<M: Matching, const BLOCKS: usize, C = Untimed> {
     config: Config,
     parts: Parts,
-    left: CameraView<BLOCKS>,
-    right: CameraView<BLOCKS>,
+    left: CameraView<BLOCKS, M::Features<BLOCKS>>,
+    right: CameraView<BLOCKS, M::Features<BLOCKS>>,
     exposure: Exposure,
     histograms: [NoiseHistogram; 2],
     noise: Noise,
     seeds: TileSeeds<BLOCKS>,
-    paths: Paths<BLOCKS>,
-    cells: [CellRow<BLOCKS>; CELL_ROWS as usize],
+    paths: M::Paths<BLOCKS>,
+    cells: M::Cells<BLOCKS>,
     answer: AnswerRow<BLOCKS>,
     disparity: [[Disparity; 4]; BLOCKS],
     /// Rows of this frame pushed or missed so far.
@@ -60,7 +57,7 @@ pub struct Tiled<const AGREEMENT: bool, const BLOCKS: usize, C = Untimed> {
     clock: C,
 }
 
-impl<const AGREEMENT: bool, const BLOCKS: usize> Tiled<AGREEMENT, BLOCKS> {
+impl<M: Matching, const BLOCKS: usize> Tiled<M, BLOCKS> {
     /// Builds the method for rows of `config.width` px.
     ///
     /// # Errors
@@ -78,12 +75,12 @@ impl<const AGREEMENT: bool, const BLOCKS: usize> Tiled<AGREEMENT, BLOCKS> {
     }
 }
 
-impl<const AGREEMENT: bool, const BLOCKS: usize, C> Tiled<AGREEMENT, BLOCKS, C> {
+impl<M: Matching, const BLOCKS: usize, C> Tiled<M, BLOCKS, C> {
     /// Rows that come in after a row before it goes out, at most.
     pub const LATENCY: u32 = 13;
 }
 
-impl<const AGREEMENT: bool, const BLOCKS: usize, C: StageClock> Tiled<AGREEMENT, BLOCKS, C> {
+impl<M: Matching, const BLOCKS: usize, C: StageClock> Tiled<M, BLOCKS, C> {
     /// Builds the method for rows of `config.width` px, with a clock that is told of its stages.
     ///
     /// # Errors
@@ -107,8 +104,8 @@ impl<const AGREEMENT: bool, const BLOCKS: usize, C: StageClock> Tiled<AGREEMENT,
             histograms: [NoiseHistogram::new(), NoiseHistogram::new()],
             noise: Noise::default(),
             seeds: TileSeeds::new(),
-            paths: Paths::new(),
-            cells: [const { CellRow::EMPTY }; CELL_ROWS as usize],
+            paths: M::Paths::EMPTY,
+            cells: M::Cells::EMPTY,
             answer: AnswerRow::EMPTY,
             disparity: [[Disparity::UNKNOWN; 4]; BLOCKS],
             rows: 0,
@@ -121,13 +118,13 @@ impl<const AGREEMENT: bool, const BLOCKS: usize, C: StageClock> Tiled<AGREEMENT,
 
     fn settings(&self) -> Settings {
         let extremum = self.parts.extremum;
-        let (cost, penalties) = match (AGREEMENT, self.noise.level >= SmoothingLevel::Medium) {
+        let (cost, penalties) = match (M::AGREEMENT, self.noise.level >= SmoothingLevel::Medium) {
             (true, false) => (CellCost::Own { shift: 1 }, Penalties::new(4, 24)),
             (true, true) => (CellCost::Own { shift: 2 }, Penalties::new(7, 34)),
             (false, false) => (CellCost::Shared { cell: 88, tile: 10 }, Penalties::new(1, 3)),
             (false, true) => (CellCost::Shared { cell: 160, tile: 24 }, Penalties::new(3, 16)),
         };
-        let contour = if AGREEMENT { 4 } else { 5 };
+        let contour = if M::AGREEMENT { 4 } else { 5 };
         let (clips, contour_threshold, near, far) = match self.noise.level {
             SmoothingLevel::Off | SmoothingLevel::Light => (Clips::new(15, 4), 2, 4, 24),
             SmoothingLevel::Medium => (Clips::new(31, 0), contour, 6, 24),
@@ -161,29 +158,31 @@ impl<const AGREEMENT: bool, const BLOCKS: usize, C: StageClock> Tiled<AGREEMENT,
             // The work on a row of tiles is spread over four rows of the camera.
             let done = self.left.features_len();
             let tile_row = (done / TILE_ROWS).wrapping_sub(1);
+            let is_searched = done > TILE_ROWS;
             match done % TILE_ROWS {
-                0 => self.pair_contours(tile_row),
-                1 if done > TILE_ROWS => {
-                    if tile_row > 0 {
+                0 => {
+                    if !M::AGREEMENT && tile_row > 0 {
+                        self.answer(tile_row - 1);
+                    }
+                    self.pair_contours(tile_row);
+                }
+                1 if is_searched => {
+                    if M::AGREEMENT && tile_row > 0 {
                         self.answer(tile_row - 1);
                     }
                     self.search(tile_row, settings);
                 }
-                2 if done > TILE_ROWS => self.agree(tile_row, settings),
+                2 if is_searched && M::AGREEMENT => self.agree(tile_row, settings),
+                2 if is_searched => {
+                    self.smooth(tile_row);
+                    self.answer(tile_row);
+                }
                 3 => {
-                    if done > TILE_ROWS {
+                    if is_searched && M::AGREEMENT {
                         self.smooth(tile_row);
                         self.answer(tile_row);
                     }
-                    self.clock.enter(Stage::Contours);
-                    let views = [&self.left, &self.right];
-                    self.seeds.find_contours(
-                        views,
-                        done / TILE_ROWS,
-                        words_for(width),
-                        settings.contour_threshold,
-                        settings.strong_noise,
-                    );
+                    self.find_contours(done / TILE_ROWS, settings);
                 }
                 _ => {}
             }
@@ -192,6 +191,13 @@ impl<const AGREEMENT: bool, const BLOCKS: usize, C: StageClock> Tiled<AGREEMENT,
     }
 
     #[inline(never)]
+    fn find_contours(&mut self, tile_row: u32, settings: Settings) {
+        self.clock.enter(Stage::Contours);
+        let words = words_for(usize::from(self.config.width));
+        let views = [&self.left, &self.right];
+        self.seeds.find_contours(views, tile_row, words, settings.contour_threshold, settings.strong_noise);
+    }
+
     fn pair_contours(&mut self, tile_row: u32) {
         self.clock.enter(Stage::Seeds);
         let tiles = self.tiles();
@@ -204,7 +210,9 @@ impl<const AGREEMENT: bool, const BLOCKS: usize, C: StageClock> Tiled<AGREEMENT,
         self.clock.enter(Stage::Blocks);
         let tiles = self.tiles();
         let row = TileRow::new(&self.config, self.left.tiles(tile_row), self.right.tiles(tile_row), settings.tile);
-        let Ok([above, upper, lower]) = self.cells.get_disjoint_mut(cell_slots(tile_row)) else { return };
+        let mut paths = self.paths.paths().filter(|_| self.parts.agreement);
+        let slots = cell_slots::<BLOCKS, M::Cells<BLOCKS>>(tile_row);
+        let Ok([above, upper, lower]) = self.cells.rows().get_disjoint_mut(slots) else { return };
         // The cells above, a pair a tile.
         let above = match tile_row {
             0 => &[],
@@ -234,8 +242,8 @@ impl<const AGREEMENT: bool, const BLOCKS: usize, C: StageClock> Tiled<AGREEMENT,
             let hypotheses = [a, b, before, after, left, seeds[0], seeds[1]];
             let found = row.search(&mut trials, tile, hypotheses, left, a);
             left = found.best;
-            if AGREEMENT && self.parts.agreement {
-                self.paths.set(tile, found);
+            if let Some(paths) = paths.as_deref_mut() {
+                paths.set(tile, found);
             } else {
                 let cells = alone.decide(settings.penalties, &found, [a, b]);
                 for (row, [first, second]) in rows.iter_mut().zip(cells) {
@@ -246,18 +254,19 @@ impl<const AGREEMENT: bool, const BLOCKS: usize, C: StageClock> Tiled<AGREEMENT,
             }
             (before, here) = (b, next);
         }
-        if AGREEMENT && self.parts.agreement {
-            self.paths.pass_rightwards(tiles, settings.penalties);
+        if let Some(paths) = paths {
+            paths.pass_rightwards(tiles, settings.penalties);
         }
     }
 
     /// The agreement of the cells.
     fn agree(&mut self, tile_row: u32, settings: Settings) {
-        if AGREEMENT && self.parts.agreement {
+        let tiles = self.tiles();
+        if let Some(paths) = self.paths.paths().filter(|_| self.parts.agreement) {
             self.clock.enter(Stage::Agreement);
-            let tiles = self.tiles();
-            let Ok(rows) = self.cells.get_disjoint_mut(cell_slots(tile_row)) else { return };
-            self.paths.agree(tiles, settings.penalties, tile_row == 0, rows);
+            let slots = cell_slots::<BLOCKS, M::Cells<BLOCKS>>(tile_row);
+            let Ok(rows) = self.cells.rows().get_disjoint_mut(slots) else { return };
+            paths.agree(tiles, settings.penalties, tile_row == 0, rows);
         }
     }
 
@@ -267,14 +276,17 @@ impl<const AGREEMENT: bool, const BLOCKS: usize, C: StageClock> Tiled<AGREEMENT,
         let cells = usize::from(self.config.width).div_ceil(4);
         let last = self.last_final(tile_row);
         for row in last.saturating_sub(1)..=last {
-            self.cells[cell_slot(row)].smooth(cells);
+            let slot = row % M::Cells::<BLOCKS>::LEN;
+            if let Some(row) = self.cells.rows().get_mut(slot as usize) {
+                row.smooth(cells);
+            }
         }
     }
 
     /// The last cell row that is final once this row of tiles is decided.
     fn last_final(&self, tile_row: u32) -> u32 {
         // The row below has its say in the agreement.
-        2 * tile_row + u32::from(!(AGREEMENT && self.parts.agreement))
+        2 * tile_row + u32::from(!(M::AGREEMENT && self.parts.agreement))
     }
 
     /// Answers the next cell row, if the row below it is final.
@@ -288,7 +300,7 @@ impl<const AGREEMENT: bool, const BLOCKS: usize, C: StageClock> Tiled<AGREEMENT,
         let inside = 2 * (row % 2) as usize;
         let (left, right) = (self.left.tiles(tile_row), self.right.tiles(tile_row));
         let sources = Sources {
-            rows: [row.saturating_sub(1), row, row + 1].map(|row| &self.cells[cell_slot(row)]),
+            rows: [row.saturating_sub(1), row, row + 1].map(|row| self.cells.row(row)),
             left: [&left[inside], &left[inside + 1]],
             right: [&right[inside], &right[inside + 1]],
         };
@@ -375,16 +387,12 @@ const fn scramble(number: u32) -> u32 {
 }
 
 /// Where the cell row above a row of tiles is, and its own two.
-fn cell_slots(tile_row: u32) -> [usize; 3] {
+fn cell_slots<const WORDS: usize, R: CellRows<WORDS>>(tile_row: u32) -> [usize; 3] {
     let row = 2 * tile_row;
-    [row + CELL_ROWS - 1, row, row + 1].map(cell_slot)
+    [row + R::LEN - 1, row, row + 1].map(|row| (row % R::LEN) as usize)
 }
 
-fn cell_slot(row: u32) -> usize {
-    (row % CELL_ROWS) as usize
-}
-
-impl<const AGREEMENT: bool, const BLOCKS: usize, C: StageClock> StereoMethod for Tiled<AGREEMENT, BLOCKS, C> {
+impl<M: Matching, const BLOCKS: usize, C: StageClock> StereoMethod for Tiled<M, BLOCKS, C> {
     fn config(&self) -> &Config {
         &self.config
     }
