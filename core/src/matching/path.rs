@@ -130,7 +130,7 @@ impl<const WORDS: usize> Paths<WORDS> {
                 }
                 let top = extend(column.costs[0], from_above[half]);
                 let lower = penalties.same_labels(normalised(along[1]), steps);
-                let sums = normalised(add(along[0], top));
+                let sums = add(along[0], top);
                 let found = winner(extend(sums, lower), labels, column.costs[0], steps.both());
                 upper_cells.value[tile][half] = found.value;
                 upper_cells.label[tile][half] = found.label;
