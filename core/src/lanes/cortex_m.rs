@@ -116,6 +116,25 @@ pub(crate) fn add_halves(a: u32, b: u32) -> u32 {
     result
 }
 
+/// The quotient, rounded towards 0; the divisor is not 0.
+#[inline(always)]
+pub(crate) fn quotient(a: i32, b: i32) -> i32 {
+    let result;
+    // The compiler would divide what it proves to fit 16 bits as such, and extend each operand.
+    // SAFETY: works on registers only.
+    unsafe { asm!("sdiv {}, {}, {}", lateout(reg) result, in(reg) a, in(reg) b, options(pure, nomem, nostack, preserves_flags)) };
+    result
+}
+
+/// A number limited to 0 to 255.
+#[inline(always)]
+pub(crate) fn limited_to_byte(number: i32) -> u32 {
+    let result;
+    // SAFETY: works on registers only.
+    unsafe { asm!("usat {}, #8, {}", lateout(reg) result, in(reg) number, options(pure, nomem, nostack)) };
+    result
+}
+
 /// `word >> 8`, at most 255; the word is below 2^31.
 #[inline(always)]
 pub(crate) fn saturated_byte(word: u32) -> u32 {

@@ -113,6 +113,18 @@ pub(crate) const fn signed_halved_sum(a: u32, b: u32) -> u32 {
     halved_sum(a ^ TOP, b ^ TOP) ^ TOP
 }
 
+/// The quotient, rounded towards 0; the divisor is not 0 (SDIV).
+#[inline(always)]
+pub(crate) const fn quotient(a: i32, b: i32) -> i32 {
+    a / b
+}
+
+/// A number limited to 0 to 255 (USAT).
+#[inline(always)]
+pub(crate) fn limited_to_byte(number: i32) -> u32 {
+    number.clamp(0, 255).cast_unsigned()
+}
+
 /// `word >> 8`, at most 255 (USAT).
 #[inline(always)]
 pub(crate) const fn saturated_byte(word: u32) -> u32 {
