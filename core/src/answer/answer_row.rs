@@ -5,7 +5,9 @@ use crate::answer::cell_row::{CellRow, blend, blend_pair, is_same_surface, word}
 use crate::answer::median::medians;
 use crate::front_end::camera_view::Row;
 use crate::lanes::rows::{least_of_three, load, update, window_sad};
-use crate::lanes::{ONES, add, add_halves, difference, max, select_ge, signed_halved_sum_halves, splat, splat_half, sub_halves};
+use crate::lanes::{
+    ONES, add, add_halves, difference, max, select_ge, signed_halved_sum_halves, splat, splat_half, sub_halves,
+};
 use crate::{Config, Disparity};
 
 /// What is added to the pixels of [`AnswerRow`], 1/64 px, so that none is negative.
@@ -93,7 +95,8 @@ impl<const WORDS: usize> AnswerRow<WORDS> {
         let slopes = &rows[1].slope.as_chunks::<2>().0[..count];
         let labels = &rows[1].label.as_chunks::<2>().0[..count];
         let medians = &median.as_chunks::<2>().0[..count];
-        let (pixels, downs) = (&mut self.pixels.as_chunks_mut::<2>().0[..count], &mut self.slope.as_chunks_mut::<2>().0[..count]);
+        let (pixels, downs) =
+            (&mut self.pixels.as_chunks_mut::<2>().0[..count], &mut self.slope.as_chunks_mut::<2>().0[..count]);
         for i in 0..count {
             let (mut here, mut across) = (word(values[1][i]), word(slopes[i].map(i16::cast_unsigned)));
             if u16::from_le_bytes(medians[i]) != u16::from_le_bytes(labels[i]) {
@@ -108,7 +111,8 @@ impl<const WORDS: usize> AnswerRow<WORDS> {
             }
             let (here, down) = blend_pair(here, word(values[0][i]), word(values[2][i]));
             // A quarter of the slope lies between two columns.
-            let middle = add_halves(here >> 2 & 0x3fff_3fff, splat_half((OFFSET - HALF.cast_signed() / 4).cast_unsigned()));
+            let middle =
+                add_halves(here >> 2 & 0x3fff_3fff, splat_half((OFFSET - HALF.cast_signed() / 4).cast_unsigned()));
             let thrice = add_halves(add_halves(across, across), across);
             let low = |word: u32| i32::from(word as u16 as i16);
             let high = |word: u32| word.cast_signed() >> 16;
@@ -135,7 +139,8 @@ impl<const WORDS: usize> AnswerRow<WORDS> {
     ) {
         let mut before = u32::from(median.first().copied().unwrap_or(0)) << 24;
         let (fours, rest) = median.as_chunks::<4>();
-        let rest = (!rest.is_empty()).then(|| core::array::from_fn(|i| rest.get(i).or(rest.last()).copied().unwrap_or(0)));
+        let rest =
+            (!rest.is_empty()).then(|| core::array::from_fn(|i| rest.get(i).or(rest.last()).copied().unwrap_or(0)));
         for (four, &labels) in fours.iter().chain(&rest).enumerate() {
             let here = u32::from_le_bytes(labels);
             // Set in the lanes of the cells that a jump is before.
@@ -160,14 +165,17 @@ impl<const WORDS: usize> AnswerRow<WORDS> {
         surfaces: &mut Surfaces<WORDS>,
     ) {
         let last = 4 * (median.len() + 1);
-        if let Some(&[before, here]) = c.checked_sub(1).and_then(|c| median.get(c..)).and_then(|m| m.first_chunk::<2>()) {
+        if let Some(&[before, here]) = c.checked_sub(1).and_then(|c| median.get(c..)).and_then(|m| m.first_chunk::<2>())
+        {
             let labels = [before, here];
             // Windows of four columns around the two halves beside the jump.
             for (half, cell) in [(1, c - 1), (0, c)] {
                 let column = 4 * cell + 2 * half + 3;
                 let fit = |label: u8| {
-                    let at = usize::try_from(column as i32 - i32::from(label) - i32::from(config.min_disparity)).ok()?;
-                    (at <= last).then(|| window_sad(sources.left.map(|r| &r[..]), column, sources.right.map(|r| &r[..]), at))
+                    let at =
+                        usize::try_from(column as i32 - i32::from(label) - i32::from(config.min_disparity)).ok()?;
+                    (at <= last)
+                        .then(|| window_sad(sources.left.map(|r| &r[..]), column, sources.right.map(|r| &r[..]), at))
                 };
                 let (own, other) = (labels[1 - half], labels[half]);
                 if let (Some(own), Some(others)) = (fit(own), fit(other))

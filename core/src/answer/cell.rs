@@ -50,11 +50,7 @@ pub(crate) fn winner(sums: u32, labels: u32, costs: u32, beside: u32) -> Cell {
     let margin = i32::from(byte(least(rivals)));
     let cost = i32::from(byte(costs >> bits));
     let merit = limited_to_byte(128 + margin - 2 * cost);
-    Cell {
-        label: byte(label),
-        value: ((label << 8) + HALF).wrapping_add_signed(fraction) as u16,
-        merit: merit as u8,
-    }
+    Cell { label: byte(label), value: ((label << 8) + HALF).wrapping_add_signed(fraction) as u16, merit: merit as u8 }
 }
 
 /// The lowest lane.

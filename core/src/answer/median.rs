@@ -21,12 +21,18 @@ pub(crate) fn medians<const WORDS: usize>(
     mut take: impl FnMut(usize, u32, u32),
 ) {
     let count = cells.div_ceil(4);
+    let labels = rows.map(|row| fours(&row.label, cells));
+    let merits = rows.map(|row| fours(&row.merit, cells));
     let columns = |i: usize| -> Columns {
-        let [a, b, c] = rows.map(|row| four(&row.label, i, cells));
+        let at = |row: &Fours<'_>| match row.0.get(i) {
+            Some(&four) => u32::from_le_bytes(four),
+            None => row.1,
+        };
+        let [a, b, c] = labels.each_ref().map(at);
         let (least, most) = min_max(a, b);
         let (lower, most) = min_max(most, c);
         let (least, middle) = min_max(least, lower);
-        let [a, b, c] = rows.map(|row| four(&row.merit, i, cells));
+        let [a, b, c] = merits.each_ref().map(at);
         [least, middle, most, halved_sum(halved_sum(a, c), b)]
     };
     if count == 0 {
@@ -57,13 +63,14 @@ pub(crate) fn medians<const WORDS: usize>(
     }
 }
 
-/// Four bytes of a row of `len`; the last one again beyond it.
-#[inline(always)]
-fn four<const WORDS: usize>(row: &[u8; WORDS], i: usize, len: usize) -> u32 {
-    match row[..len].as_chunks::<4>().0.get(i) {
-        Some(&four) => u32::from_le_bytes(four),
-        None => u32::from_le_bytes([0, 1, 2, 3].map(|lane| row[(4 * i + lane).min(len - 1)])),
-    }
+/// The bytes of a row, four a word, and the word that is left, its last byte again beyond the row.
+type Fours<'a> = (&'a [[u8; 4]], u32);
+
+/// The first `len` bytes of a row.
+fn fours<const WORDS: usize>(row: &[u8; WORDS], len: usize) -> Fours<'_> {
+    let (fours, rest) = row[..len].as_chunks::<4>();
+    let rest = [0, 1, 2, 3].map(|i| rest.get(i).or(rest.last()).copied().unwrap_or(0));
+    (fours, u32::from_le_bytes(rest))
 }
 
 /// A lane in all lanes.

@@ -124,7 +124,8 @@ impl<const WORDS: usize, F: FeatureRows<WORDS>> CameraView<WORDS, F> {
         let words = words_for(width);
         let mut line = [0; WORDS];
         let at = i64::from(y);
-        let rows = [at - 2, at - 1, at, at + 1, at + 2].map(|y| &self.raw[(clamp(y, self.raw_len) % RAW_ROWS) as usize][..words]);
+        let rows = [at - 2, at - 1, at, at + 1, at + 2]
+            .map(|y| &self.raw[(clamp(y, self.raw_len) % RAW_ROWS) as usize][..words]);
         let out = &mut self.smooth[(y % SMOOTH_ROWS) as usize];
         mean_down(rows, means.0, &mut line[..words]);
         mean_across(&line[..words], means.1, &mut out[..words]);

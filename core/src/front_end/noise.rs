@@ -1,11 +1,11 @@
 //! How noisy the frame is, judged from the rows that came so far.
 
 use crate::count;
-use crate::lanes::rows::{Mean, second_difference};
 use crate::front_end::exposure::Gain;
 use crate::front_end::haar::difference_121;
 use crate::front_end::reading::Reading;
 use crate::front_end::ring::MARGIN;
+use crate::lanes::rows::{Mean, second_difference};
 
 const BINS: usize = 64;
 /// One pixel in so many is looked at.

@@ -46,7 +46,9 @@ operations! {
 pub(crate) fn sad_add(a: u32, b: u32, sum: u32) -> u32 {
     let result;
     // SAFETY: works on registers only.
-    unsafe { asm!("usada8 {}, {}, {}, {}", lateout(reg) result, in(reg) a, in(reg) b, in(reg) sum, options(pure, nomem, nostack, preserves_flags)) };
+    unsafe {
+        asm!("usada8 {}, {}, {}, {}", lateout(reg) result, in(reg) a, in(reg) b, in(reg) sum, options(pure, nomem, nostack, preserves_flags))
+    };
     result
 }
 
@@ -122,7 +124,9 @@ pub(crate) fn quotient(a: i32, b: i32) -> i32 {
     let result;
     // The compiler would divide what it proves to fit 16 bits as such, and extend each operand.
     // SAFETY: works on registers only.
-    unsafe { asm!("sdiv {}, {}, {}", lateout(reg) result, in(reg) a, in(reg) b, options(pure, nomem, nostack, preserves_flags)) };
+    unsafe {
+        asm!("sdiv {}, {}, {}", lateout(reg) result, in(reg) a, in(reg) b, options(pure, nomem, nostack, preserves_flags))
+    };
     result
 }
 
@@ -185,9 +189,21 @@ macro_rules! limited {
 macro_rules! across {
     ($times:ident, $after:literal, $before:literal, $out:literal) => {
         concat!(
-            "ldr {t}, [{a}, #", $after, "]\n ldr {u}, [{a}", $before, "\n qsub8 {t}, {t}, {u}\n",
-            "ldr {u}, [{b}, #", $after, "]\n ldr {v}, [{b}", $before, "\n qsub8 {u}, {u}, {v}\n",
-            "qadd8 {t}, {t}, {u}\n", limited!($times), "str {t}, [{out}", $out, "\n",
+            "ldr {t}, [{a}, #",
+            $after,
+            "]\n ldr {u}, [{a}",
+            $before,
+            "\n qsub8 {t}, {t}, {u}\n",
+            "ldr {u}, [{b}, #",
+            $after,
+            "]\n ldr {v}, [{b}",
+            $before,
+            "\n qsub8 {u}, {u}, {v}\n",
+            "qadd8 {t}, {t}, {u}\n",
+            limited!($times),
+            "str {t}, [{out}",
+            $out,
+            "\n",
         )
     };
 }
@@ -197,9 +213,24 @@ macro_rules! across {
 macro_rules! down {
     ($times:ident, $next:literal, $this:literal, $other:literal, $out:literal) => {
         concat!(
-            "ldr {t}, [{below}, ", $next, "\n ldr {u}, [{above}, ", $next, "\n qsub8 ", $other, ", {t}, {u}\n",
-            "lsr {t}, ", $this, ", #8\n orr {t}, {t}, ", $other, ", lsl #24\n qadd8 {t}, ", $this, ", {t}\n",
-            limited!($times), "str {t}, [{out}", $out, "\n",
+            "ldr {t}, [{below}, ",
+            $next,
+            "\n ldr {u}, [{above}, ",
+            $next,
+            "\n qsub8 ",
+            $other,
+            ", {t}, {u}\n",
+            "lsr {t}, ",
+            $this,
+            ", #8\n orr {t}, {t}, ",
+            $other,
+            ", lsl #24\n qadd8 {t}, ",
+            $this,
+            ", {t}\n",
+            limited!($times),
+            "str {t}, [{out}",
+            $out,
+            "\n",
         )
     };
 }
@@ -246,7 +277,12 @@ macro_rules! down_row {
 /// # Safety
 /// The rows must have at least `4 * fours + 2` words, and `fours` must not be 0.
 #[inline(always)]
-pub(crate) unsafe fn gradient_across_fours(rows: [&[u32]; 2], limits: [Option<[u32; 2]>; 2], out: &mut [u32], fours: usize) {
+pub(crate) unsafe fn gradient_across_fours(
+    rows: [&[u32]; 2],
+    limits: [Option<[u32; 2]>; 2],
+    out: &mut [u32],
+    fours: usize,
+) {
     let [a, b] = rows;
     // SAFETY: reads from one byte before word 1 to one after word 4 * fours, writes the words 1..=4 * fours; all inside.
     unsafe {
@@ -268,7 +304,12 @@ pub(crate) unsafe fn gradient_across_fours(rows: [&[u32]; 2], limits: [Option<[u
 /// # Safety
 /// The rows must have at least `4 * fours + 2` words, and `fours` must not be 0.
 #[inline(always)]
-pub(crate) unsafe fn gradient_down_fours(rows: [&[u32]; 2], limits: [Option<[u32; 2]>; 2], out: &mut [u32], fours: usize) {
+pub(crate) unsafe fn gradient_down_fours(
+    rows: [&[u32]; 2],
+    limits: [Option<[u32; 2]>; 2],
+    out: &mut [u32],
+    fours: usize,
+) {
     let [above, below] = rows;
     // SAFETY: reads the words 1..=4 * fours + 1, writes the words 1..=4 * fours; all inside.
     unsafe {

@@ -136,7 +136,8 @@ pub(crate) const fn saturated_byte(word: u32) -> u32 {
 #[inline(always)]
 pub(crate) const fn saturated_halves(word: u32) -> u32 {
     // 0x80 in a half that is greater, which 0xff then replaces.
-    let over = ((word >> 8 | word >> 9 | word >> 10 | word >> 11 | word >> 12 | word >> 13 | word >> 14) & 0x0001_0001) * 0xff;
+    let over =
+        ((word >> 8 | word >> 9 | word >> 10 | word >> 11 | word >> 12 | word >> 13 | word >> 14) & 0x0001_0001) * 0xff;
     (word | over) & 0x00ff_00ff
 }
 

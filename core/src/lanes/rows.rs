@@ -4,9 +4,9 @@
 //! then reads without a check for each word.
 #![expect(unsafe_code, reason = "words at byte offsets that are no multiple of four, without a check for each")]
 
+use super::{add, sad_add, signed_add, signed_halved_sum, signed_sub, splat, sub, wrapping_add};
 #[cfg(haarline_dsp)]
 use super::{gradient_across_fours, gradient_down_fours};
-use super::{add, sad_add, signed_add, signed_halved_sum, signed_sub, splat, sub, wrapping_add};
 
 /// Flips unsigned bytes, 0 to 255, to signed ones, -128 to 127, and back.
 pub(crate) const FLIP: u32 = 0x8080_8080;

@@ -74,13 +74,7 @@ impl<const WORDS: usize> Paths<WORDS> {
     ///
     /// - `rows`: the cell row above, if there is one, the upper and the lower one of the tiles.
     #[inline(never)]
-    pub(crate) fn agree(
-        &mut self,
-        tiles: usize,
-        penalties: Penalties,
-        is_first: bool,
-        rows: [&mut CellRow<WORDS>; 3],
-    ) {
+    pub(crate) fn agree(&mut self, tiles: usize, penalties: Penalties, is_first: bool, rows: [&mut CellRow<WORDS>; 3]) {
         let [above_row, upper_row, lower_row] = rows;
         let above_cells = above_row.tiles(tiles);
         let upper_cells = upper_row.tiles(tiles);

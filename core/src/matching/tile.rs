@@ -232,7 +232,8 @@ impl<const WORDS: usize> Search<'_, WORDS> {
     fn evaluate(&mut self, i: usize) -> u32 {
         crate::count::evaluations(1);
         let label = self.trials.keys[i % MOST];
-        let [a, b, c, d] = tile_sad(self.row.left, 2 * self.tile + 1, self.row.right, self.origin.wrapping_sub(label as usize));
+        let [a, b, c, d] =
+            tile_sad(self.row.left, 2 * self.tile + 1, self.row.right, self.origin.wrapping_sub(label as usize));
         self.trials.cells[i % MOST] = [a | b << 16, c | d << 16];
         let key = (a + b + c + d) << 12 | (i as u32) << 8 | label;
         self.trials.keys[i % MOST] = key;

@@ -93,7 +93,15 @@ impl<const WORDS: usize> TileSeeds<WORDS> {
             while candidates.get(start).is_some_and(|c| c.place < first) {
                 start += 1;
             }
-            contour.partner = cheapest(*contour, i, start as u32, end, left_rows, right_rows, candidates.get_mut(start..).unwrap_or_default());
+            contour.partner = cheapest(
+                *contour,
+                i,
+                start as u32,
+                end,
+                left_rows,
+                right_rows,
+                candidates.get_mut(start..).unwrap_or_default(),
+            );
         }
         let nearest = &mut self.nearest[..tiles];
         nearest.fill([NONE; 2]);

@@ -2,7 +2,6 @@
 //! the `pipeline` for blocks, `contour_stereo` and `envelope` measure points in the `sparse` one.
 
 mod block_row;
-pub mod tile_pipeline;
 pub mod contour_stereo;
 pub(crate) mod deciding;
 pub mod envelope;
@@ -13,4 +12,5 @@ pub mod parts;
 pub mod pipeline;
 mod sparse;
 pub mod stereo;
+pub mod tile_pipeline;
 pub mod wavelet_block;
