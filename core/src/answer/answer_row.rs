@@ -1,16 +1,20 @@
 //! Two image rows of answers: planes through neighbouring cells, the choice of surface at jumps, hidden pixels.
-#![expect(
+#![allow(
+    clippy::needless_range_loop,
     clippy::cast_possible_truncation,
     clippy::cast_possible_wrap,
+    clippy::cast_sign_loss,
     reason = "columns are below 1280, disparities within 16 bits of 1/64 px"
 )]
 
 use crate::answer::cell::HALF;
-use crate::answer::cell_row::{CellRow, blend, is_same_surface};
-use crate::answer::median::Neighbourhood;
+use crate::answer::cell_row::{CellRow, blend, blend_pair, is_same_surface, word};
+use crate::answer::median::medians;
 use crate::front_end::camera_view::Row;
-use crate::lanes::rows::{least_of_three, load, store, window_sad};
-use crate::lanes::{add_halves, max, select_ge, splat, sub_halves};
+use crate::lanes::rows::{least_of_three, load, update, window_sad};
+use crate::lanes::{
+    ONES, add, add_halves, difference, max, select_ge, signed_halved_sum_halves, splat, splat_half, sub_halves,
+};
 use crate::{Config, Disparity};
 
 /// What is added to the pixels of [`AnswerRow`], 1/64 px, so that none is negative.
@@ -47,43 +51,87 @@ impl<const WORDS: usize> AnswerRow<WORDS> {
     /// Answers a cell row.
     pub(crate) fn answer(&mut self, config: &Config, sources: &Sources<'_, WORDS>) {
         let cells = usize::from(config.width).div_ceil(4);
-        let around = Neighbourhood::of(sources.rows, cells);
-        self.lay_planes(sources.rows, &around.median, cells);
-        for (confidence, &value) in self.confidence.iter_mut().zip(&around.confidence[..cells]) {
-            *confidence = [value; 4];
-        }
-        let mut surfaces = around.median.map(|label| [label; 2]);
-        self.choose_surfaces(config, sources, &around.median[..cells], &mut surfaces);
+        let (mut median, mut surfaces) = ([0; WORDS], [[0; 2]; WORDS]);
+        self.survey(sources.rows, cells, &mut median, &mut surfaces);
+        self.lay_planes(sources.rows, &median, cells);
+        self.choose_surfaces(config, sources, &median[..cells], &mut surfaces);
         self.hide(config, &surfaces[..cells]);
+    }
+
+    /// Medians and confidence of the cells; each is of one surface for the time being.
+    #[inline(never)]
+    fn survey(
+        &mut self,
+        rows: [&CellRow<WORDS>; 3],
+        cells: usize,
+        median: &mut [u8; WORDS],
+        surfaces: &mut Surfaces<WORDS>,
+    ) {
+        const EVEN: u32 = 0x00ff_00ff;
+        let (fours, rest) = self.confidence[..cells].as_chunks_mut::<4>();
+        let (median_fours, median_rest) = median[..cells].as_chunks_mut::<4>();
+        let (surface_fours, surface_rest) = surfaces[..cells].as_chunks_mut::<4>();
+        medians(rows, cells, |i, labels, certain| {
+            let certain = certain.to_le_bytes().map(|certain| splat(u32::from(certain)).to_le_bytes());
+            let labels_by_cell = labels.to_le_bytes();
+            if let (Some(four), Some(median), Some(surfaces)) =
+                (fours.get_mut(i), median_fours.get_mut(i), surface_fours.get_mut(i))
+            {
+                *four = certain;
+                *median = labels_by_cell;
+                // Each label twice.
+                let (even, odd) = ((labels & EVEN) * 0x101, (labels >> 8 & EVEN) * 0x101);
+                let [a, b, c, d] = (even & 0xffff | odd << 16).to_le_bytes();
+                let [e, f, g, h] = (even >> 16 | odd & 0xffff_0000).to_le_bytes();
+                *surfaces = [[a, b], [c, d], [e, f], [g, h]];
+            } else {
+                let rest = rest.iter_mut().zip(median_rest.iter_mut()).zip(surface_rest.iter_mut());
+                for (((to, median), surfaces), (certain, label)) in rest.zip(certain.into_iter().zip(labels_by_cell)) {
+                    (*to, *median, *surfaces) = (certain, label, [label; 2]);
+                }
+            }
+        });
     }
 
     /// Lays a plane through each cell and its neighbours on the same surface.
     #[inline(never)]
     fn lay_planes(&mut self, rows: [&CellRow<WORDS>; 3], median: &[u8; WORDS], cells: usize) {
-        let [above, row, below] = rows.map(|row| &row.value[..cells]);
-        let (labels, slopes, median) = (&rows[1].label[..cells], &rows[1].slope[..cells], &median[..cells]);
-        let (pixels, downs) = (&mut self.pixels[..cells], &mut self.slope[..cells]);
-        for c in 0..cells {
-            let (mut here, mut across) = (i32::from(row[c]), i32::from(slopes[c]));
-            if median[c] != labels[c] {
-                here = (i32::from(median[c]) << 8) + HALF.cast_signed();
-                let beside = |value: Option<&u16>| {
-                    let value = value.map(|&value| i32::from(value));
-                    (value.unwrap_or(0), value.is_some_and(|value| is_same_surface(value, here)))
-                };
-                (here, across) =
-                    blend(here, [beside(c.checked_sub(1).and_then(|c| row.get(c))), beside(row.get(c + 1))]);
+        let count = cells.div_ceil(2);
+        let row = &rows[1].value[..cells];
+        let values = rows.map(|row| &row.value.as_chunks::<2>().0[..count]);
+        let slopes = &rows[1].slope.as_chunks::<2>().0[..count];
+        let labels = &rows[1].label.as_chunks::<2>().0[..count];
+        let medians = &median.as_chunks::<2>().0[..count];
+        let (pixels, downs) =
+            (&mut self.pixels.as_chunks_mut::<2>().0[..count], &mut self.slope.as_chunks_mut::<2>().0[..count]);
+        for i in 0..count {
+            let (mut here, mut across) = (word(values[1][i]), word(slopes[i].map(i16::cast_unsigned)));
+            if u16::from_le_bytes(medians[i]) != u16::from_le_bytes(labels[i]) {
+                for half in 0..2 {
+                    if medians[i][half] != labels[i][half] {
+                        let (value, slope) = outvoted(row, 2 * i + half, medians[i][half]);
+                        let keep = 0xffff_0000 >> (16 * half);
+                        here = here & keep | (value.cast_unsigned() & 0xffff) << (16 * half);
+                        across = across & keep | (slope.cast_unsigned() & 0xffff) << (16 * half);
+                    }
+                }
             }
-            let vertical = [above[c], below[c]].map(|value| {
-                let value = i32::from(value);
-                (value, is_same_surface(value, here))
-            });
-            let (here, down) = blend(here, vertical);
+            let (here, down) = blend_pair(here, word(values[0][i]), word(values[2][i]));
             // A quarter of the slope lies between two columns.
-            let middle = (here >> 2) + OFFSET - HALF.cast_signed() / 4;
-            let (near, far) = (across >> 5, (across * 3) >> 5);
-            pixels[c] = [pair(middle - far, middle - near), pair(middle + near, middle + far)];
-            downs[c] = (down >> 4) as i16;
+            let middle =
+                add_halves(here >> 2 & 0x3fff_3fff, splat_half((OFFSET - HALF.cast_signed() / 4).cast_unsigned()));
+            let thrice = add_halves(add_halves(across, across), across);
+            let low = |word: u32| i32::from(word as u16 as i16);
+            let high = |word: u32| word.cast_signed() >> 16;
+            for half in 0..2 {
+                let (near, far, middle) = if half == 0 {
+                    (low(across) >> 5, low(thrice) >> 5, middle & 0xffff | middle << 16)
+                } else {
+                    (high(across) >> 5, high(thrice) >> 5, middle >> 16 | middle & 0xffff_0000)
+                };
+                pixels[i][half] = [sub_halves(middle, pair(far, near)), add_halves(middle, pair(near, far))];
+            }
+            downs[i] = [(low(down) >> 4) as i16, (high(down) >> 4) as i16];
         }
     }
 
@@ -96,14 +144,37 @@ impl<const WORDS: usize> AnswerRow<WORDS> {
         median: &[u8],
         surfaces: &mut Surfaces<WORDS>,
     ) {
-        let last = 4 * (median.len() + 1);
-        let mut before = median.first().copied().unwrap_or(0);
-        for (c, &here) in median.iter().enumerate() {
-            let labels = [before, here];
+        let mut before = u32::from(median.first().copied().unwrap_or(0)) << 24;
+        let (fours, rest) = median.as_chunks::<4>();
+        let rest =
+            (!rest.is_empty()).then(|| core::array::from_fn(|i| rest.get(i).or(rest.last()).copied().unwrap_or(0)));
+        for (four, &labels) in fours.iter().chain(&rest).enumerate() {
+            let here = u32::from_le_bytes(labels);
+            // Set in the lanes of the cells that a jump is before.
+            let jumps = select_ge(difference(here, here << 8 | before >> 24), splat(2), ONES, 0);
             before = here;
-            if labels[0].abs_diff(here) <= 1 {
-                continue;
+            if jumps != 0 {
+                for lane in (0..4).filter(|lane| jumps >> (8 * lane) & 1 == 1) {
+                    self.choose_at(config, sources, median, 4 * four + lane, surfaces);
+                }
             }
+        }
+    }
+
+    /// The same at the jump before a cell.
+    #[inline(never)]
+    fn choose_at(
+        &mut self,
+        config: &Config,
+        sources: &Sources<'_, WORDS>,
+        median: &[u8],
+        c: usize,
+        surfaces: &mut Surfaces<WORDS>,
+    ) {
+        let last = 4 * (median.len() + 1);
+        if let Some(&[before, here]) = c.checked_sub(1).and_then(|c| median.get(c..)).and_then(|m| m.first_chunk::<2>())
+        {
+            let labels = [before, here];
             // Windows of four columns around the two halves beside the jump.
             for (half, cell) in [(1, c - 1), (0, c)] {
                 let column = 4 * cell + 2 * half + 3;
@@ -120,8 +191,7 @@ impl<const WORDS: usize> AnswerRow<WORDS> {
                     let neighbour = if half == 1 { c } else { c - 1 };
                     // Of a label that the median put in the place of another only the whole disparity is known.
                     let row = sources.rows[1];
-                    let is_own = row.label[neighbour] == other;
-                    let value = if is_own {
+                    let value = if row.label[neighbour] == other {
                         i32::from(row.value[neighbour])
                     } else {
                         (i32::from(other) << 8) + HALF.cast_signed()
@@ -149,27 +219,28 @@ impl<const WORDS: usize> AnswerRow<WORDS> {
             }
         }
         let origin = 4 - i32::from(config.min_disparity);
-        for (c, &[a, b]) in surfaces.iter().enumerate() {
-            let at = |label: u8| (4 * c as i32 + origin - i32::from(label)).cast_unsigned() as usize;
+        let mut column = origin;
+        for &[a, b] in surfaces {
+            let at = |label: u8| (column - i32::from(label)).cast_unsigned() as usize;
             if a == b {
-                let at = at(a);
-                store(claims, at, max(load(claims, at), splat(u32::from(a))));
+                claim(claims, at(a), splat(u32::from(a)));
             } else {
-                for (label, half) in [(a, 0x0000_ffff), (b, 0xffff_0000)] {
-                    let at = at(label);
-                    store(claims, at, max(load(claims, at), splat(u32::from(label)) & half));
-                }
+                claim(claims, at(a), splat(u32::from(a)) & 0x0000_ffff);
+                claim(claims, at(b), splat(u32::from(b)) & 0xffff_0000);
             }
+            column += 4;
         }
         let mut first_hidden = None;
         let mut seen_before = None;
+        let mut column = origin;
         for (c, &[a, b]) in surfaces.iter().enumerate() {
-            let hidden = |label: u8| {
-                let at = (4 * c as i32 + origin - i32::from(label)).cast_unsigned() as usize;
-                let nearest = least_of_three(claims, at);
-                select_ge(nearest, splat((u32::from(label) + 2).min(255)), u32::MAX, 0)
+            let at = |label: u8| (column - i32::from(label)).cast_unsigned() as usize;
+            let mask = if a == b {
+                hidden(claims, at(a), a)
+            } else {
+                hidden(claims, at(a), a) & 0x0000_ffff | hidden(claims, at(b), b) & 0xffff_0000
             };
-            let mask = if a == b { hidden(a) } else { hidden(a) & 0x0000_ffff | hidden(b) & 0xffff_0000 };
+            column += 4;
             if mask == 0 {
                 // Seen: it may be what lies behind the hidden ones before it.
                 if let Some(first) = first_hidden.take() {
@@ -207,15 +278,46 @@ impl<const WORDS: usize> AnswerRow<WORDS> {
     pub(crate) fn write(&self, is_lower: bool, config: &Config, out: &mut [[Disparity; 4]; WORDS]) {
         let cells = usize::from(config.width).div_ceil(4);
         // The offset goes and the least disparity comes; 1/2 of 1/16 px rounds.
-        let base = pair_of(16 * i32::from(config.min_disparity) - OFFSET / 4);
+        let base = pair_of(2 * (16 * i32::from(config.min_disparity) - OFFSET / 4));
         let half = pair_of(2);
-        for ((pixels, &slope), out) in self.pixels[..cells].iter().zip(&self.slope).zip(out) {
+        let rows = self.pixels[..cells].iter().zip(&self.slope[..cells]).zip(&mut out[..cells]);
+        for ((pixels, &slope), out) in rows {
             let slope = pair_of(i32::from(slope));
             let rounded = if is_lower { add_halves(half, slope) } else { sub_halves(half, slope) };
-            let [a, b] = pixels.map(|pair| add_halves(add_halves(pair, rounded) >> 2 & 0x3fff_3fff, base));
+            // Halved twice: a quarter, and half of twice the base.
+            let [a, b] = pixels.map(|pair| signed_halved_sum_halves(signed_halved_sum_halves(pair, rounded), base));
             *out = [a, a >> 16, b, b >> 16].map(|bits| Disparity::from_bits(bits as u16 as i16));
         }
     }
+}
+
+/// Claims four columns of the right view, from a byte on.
+#[inline(always)]
+fn claim(claims: &mut [u32], byte: usize, labels: u32) {
+    update(claims, byte, |claimed| max(claimed, labels));
+}
+
+/// Those of four columns of the right view, from a byte on, that are claimed by something nearer than a label, with both
+/// beside them.
+#[inline(always)]
+fn hidden(claims: &[u32], byte: usize, label: u8) -> u32 {
+    let nearer = add(splat(u32::from(label)), splat(2));
+    // Mostly nothing nearer is there.
+    match select_ge(load(claims, byte), nearer, u32::MAX, 0) {
+        0 => 0,
+        _ => select_ge(least_of_three(claims, byte), nearer, u32::MAX, 0),
+    }
+}
+
+/// The value of a cell that takes the label of its neighbours, and its slope along the row.
+#[inline(never)]
+fn outvoted(row: &[u16], cell: usize, label: u8) -> (i32, i32) {
+    let here = (i32::from(label) << 8) + HALF.cast_signed();
+    let beside = |value: Option<&u16>| {
+        let value = value.map(|&value| i32::from(value));
+        (value.unwrap_or(0), value.is_some_and(|value| is_same_surface(value, here)))
+    };
+    blend(here, [beside(cell.checked_sub(1).and_then(|before| row.get(before))), beside(row.get(cell + 1))])
 }
 
 /// Two numbers of 16 bits in a word.

@@ -1,7 +1,12 @@
 //! The answer of a cell, 4 x 2 px: which of its tile's labels wins, and what lies between them.
-#![expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped before")]
+#![allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_possible_wrap,
+    clippy::cast_sign_loss,
+    reason = "clamped before"
+)]
 
-use crate::lanes::{add, difference, least, select_ge, splat, zero_lane_bits};
+use crate::lanes::{add, difference, least, limited_to_byte, quotient, select_ge, splat, zero_lane_bits};
 
 /// Greatest margin that counts.
 const MOST_MARGIN: u32 = 64;
@@ -42,15 +47,15 @@ pub(crate) fn winner(sums: u32, labels: u32, costs: u32, beside: u32) -> Cell {
         let [before, here, after, _] = total.to_le_bytes().map(i32::from);
         let rise = before.max(after) - here;
         if rise > 0 {
-            fraction = ((before - after) * 128 / rise).clamp(-128, 127);
+            fraction = quotient((before - after) * 128, rise).clamp(-128, 127);
         }
     }
-    // One step to either side is the same surface.
+    // One step to either side is the same surface. The label itself limits the margin.
     let distance = difference(labels, splat(label));
     let rivals = select_ge(distance, splat(2), sums, splat(MOST_MARGIN));
-    let margin = (least(rivals) & 0xff).min(MOST_MARGIN).cast_signed();
+    let margin = i32::from(byte(least(rivals)));
     let cost = i32::from(byte(costs >> bits));
-    let merit = (128 + margin - 2 * cost).clamp(0, 255);
+    let merit = limited_to_byte(128 + margin - 2 * cost);
     Cell { label: byte(label), value: ((label << 8) + HALF).wrapping_add_signed(fraction) as u16, merit: merit as u8 }
 }
 

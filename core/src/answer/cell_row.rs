@@ -1,14 +1,21 @@
 //! The cells of a row: what they answer, and the smoothing along the row.
-#![expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "means of values stay among them")]
+#![allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_possible_wrap,
+    clippy::cast_sign_loss,
+    reason = "values have 16 bits"
+)]
 
-use crate::answer::cell::Cell;
+use crate::lanes::{
+    difference_of_halves, halved_difference_halves, halved_sum_halves, select_ge_halves, splat_half, sub_halves,
+};
 
 /// Surfaces that differ by less than this are one, 1/256 px.
 const SAME_SURFACE: i32 = 384;
 
 /// The cells of a row.
 #[derive(Debug, Clone)]
-pub(crate) struct CellRow<const WORDS: usize> {
+pub struct CellRow<const WORDS: usize> {
     /// As [`Cell::value`]; smoothed along the row once it is final.
     pub(crate) value: [u16; WORDS],
     /// Half of what `value` rises from the cell before to the cell after.
@@ -19,46 +26,78 @@ pub(crate) struct CellRow<const WORDS: usize> {
     pub(crate) merit: [u8; WORDS],
 }
 
-/// A cell of a row, to be written.
-pub(crate) struct CellMut<'a> {
-    value: &'a mut u16,
-    label: &'a mut u8,
-    merit: &'a mut u8,
-}
-
-impl CellMut<'_> {
-    #[inline(always)]
-    pub(crate) fn set(self, found: Cell) {
-        (*self.value, *self.label, *self.merit) = (found.value, found.label, found.merit);
-    }
+/// The cells of a row of tiles, two a tile.
+pub(crate) struct TileCells<'a> {
+    pub(crate) value: &'a mut [[u16; 2]],
+    pub(crate) label: &'a mut [[u8; 2]],
+    pub(crate) merit: &'a mut [[u8; 2]],
 }
 
 impl<const WORDS: usize> CellRow<WORDS> {
     pub(crate) const EMPTY: Self = Self { value: [0; WORDS], slope: [0; WORDS], label: [0; WORDS], merit: [0; WORDS] };
 
     /// The cells of so many tiles.
-    pub(crate) fn cells(&mut self, tiles: usize) -> impl DoubleEndedIterator<Item = CellMut<'_>> {
-        let (value, label, merit) =
-            (&mut self.value[..2 * tiles], &mut self.label[..2 * tiles], &mut self.merit[..2 * tiles]);
-        let cells = value.iter_mut().zip(label).zip(merit);
-        cells.map(|((value, label), merit)| CellMut { value, label, merit })
-    }
-
-    /// Smooths the values along the row, each with those neighbours that are the same surface.
-    pub(crate) fn smooth(&mut self, cells: usize) {
-        let (values, slopes) = (&mut self.value[..cells], &mut self.slope[..cells]);
-        let (mut before, mut is_before) = (0, false);
-        let mut here = values.first().map_or(0, |&value| i32::from(value));
-        for i in 0..cells {
-            let (after, is_after) = match values.get(i + 1) {
-                Some(&after) => (i32::from(after), is_same_surface(i32::from(after), here)),
-                None => (here, false),
-            };
-            let (smooth, slope) = blend(here, [(before, is_before), (after, is_after)]);
-            (values[i], slopes[i]) = (smooth as u16, slope as i16);
-            (before, is_before, here) = (here, is_after, after);
+    pub(crate) fn tiles(&mut self, tiles: usize) -> TileCells<'_> {
+        TileCells {
+            value: &mut self.value.as_chunks_mut().0[..tiles],
+            label: &mut self.label.as_chunks_mut().0[..tiles],
+            merit: &mut self.merit.as_chunks_mut().0[..tiles],
         }
     }
+
+    /// Smooths the values along the row, each with those neighbours that are the same surface; two cells a word.
+    #[inline(never)]
+    pub(crate) fn smooth(&mut self, cells: usize) {
+        let pairs = cells.div_ceil(2);
+        let values = &mut self.value.as_chunks_mut::<2>().0[..pairs];
+        let slopes = &mut self.slope.as_chunks_mut::<2>().0[..pairs];
+        // Beyond the ends is another surface.
+        if let Some(last) = values.last_mut()
+            && !cells.is_multiple_of(2)
+        {
+            last[1] = last[0] ^ FAR;
+        }
+        let mut here = values.first().map_or(0, |&pair| word(pair));
+        let mut before = (here ^ u32::from(FAR)) << 16;
+        for i in 0..pairs {
+            let next = values.get(i + 1).map_or(here >> 16 ^ u32::from(FAR), |&pair| word(pair));
+            let (smooth, slope) = blend_pair(here, before >> 16 | here << 16, here >> 16 | next << 16);
+            values[i] = halves(smooth);
+            slopes[i] = halves(slope).map(u16::cast_signed);
+            (before, here) = (here, next);
+        }
+    }
+}
+
+/// Makes of a value one of another surface.
+const FAR: u16 = 0x8000;
+
+/// Two cells in a word.
+#[inline(always)]
+pub(crate) const fn word([a, b]: [u16; 2]) -> u32 {
+    a as u32 | (b as u32) << 16
+}
+
+/// The two cells of a word.
+#[inline(always)]
+#[expect(clippy::cast_possible_truncation, reason = "the halves are meant")]
+pub(crate) const fn halves(word: u32) -> [u16; 2] {
+    [word as u16, (word >> 16) as u16]
+}
+
+/// [`blend`] of two cells a word: values and slopes.
+#[inline(always)]
+pub(crate) fn blend_pair(here: u32, before: u32, after: u32) -> (u32, u32) {
+    let same = splat_half(SAME_SURFACE.cast_unsigned() - 1);
+    let (from_before, from_after) = (difference_of_halves(before, here), difference_of_halves(after, here));
+    // A neighbour on another surface is like the cell itself.
+    let before = select_ge_halves(same, from_before, before, here);
+    let after = select_ge_halves(same, from_after, after, here);
+    let furthest = select_ge_halves(from_before, from_after, from_before, from_after);
+    let mean = halved_sum_halves(halved_sum_halves(before, after), here);
+    let value = select_ge_halves(same, furthest, mean, here);
+    let slope = select_ge_halves(same, furthest, halved_difference_halves(after, before), sub_halves(after, before));
+    (value, slope)
 }
 
 /// Whether two values may lie on one surface.

@@ -3,7 +3,7 @@
 use crate::front_end::exposure::Gain;
 use crate::front_end::noise::SmoothingLevel;
 use crate::lanes;
-use crate::lanes::rows::{Clips, FLIP, gradient_across, gradient_down, mean_across, mean_down};
+use crate::lanes::rows::{Clips, fill, gradient_across, gradient_down, mean_across, mean_down};
 
 /// Rows as they came that are kept: those of the widest filter.
 const RAW_ROWS: u32 = 5;
@@ -11,18 +11,43 @@ const RAW_ROWS: u32 = 5;
 const SMOOTH_ROWS: u32 = 4;
 /// Rows of a tile.
 pub(crate) const TILE_ROWS: u32 = 4;
-/// Rows of tiles whose features are kept: the one that comes in, the one that is matched and the one that is answered.
-const TILE_ROWS_KEPT: u32 = 3;
 
 /// A row: a word of margin, the columns, a word of margin; four columns a word, the lowest byte leftmost.
 pub(crate) type Row<const WORDS: usize> = [u32; WORDS];
 
+/// The features of a row of tiles.
+pub(crate) type TileRows<const WORDS: usize> = [Row<WORDS>; TILE_ROWS as usize];
+
+/// Features of so many rows of tiles: the newest.
+pub trait FeatureRows<const WORDS: usize> {
+    /// Before any.
+    const EMPTY: Self;
+    /// Those of a row of tiles.
+    fn tiles(&self, tile_row: u32) -> &[[u32; WORDS]; 4];
+    /// The same, to be filled.
+    fn tiles_mut(&mut self, tile_row: u32) -> &mut [[u32; WORDS]; 4];
+}
+
+impl<const WORDS: usize, const KEPT: usize> FeatureRows<WORDS> for [[[u32; WORDS]; 4]; KEPT] {
+    const EMPTY: Self = [[[0; WORDS]; 4]; KEPT];
+
+    #[inline(always)]
+    fn tiles(&self, tile_row: u32) -> &[[u32; WORDS]; 4] {
+        &self[tile_row as usize % KEPT]
+    }
+
+    #[inline(always)]
+    fn tiles_mut(&mut self, tile_row: u32) -> &mut [[u32; WORDS]; 4] {
+        &mut self[tile_row as usize % KEPT]
+    }
+}
+
 /// What is kept of one view. Grey levels are signed bytes, 128 less than the camera's.
 #[derive(Debug, Clone)]
-pub(crate) struct CameraView<const WORDS: usize> {
+pub(crate) struct CameraView<const WORDS: usize, F> {
     raw: [Row<WORDS>; RAW_ROWS as usize],
     smooth: [Row<WORDS>; SMOOTH_ROWS as usize],
-    features: [[Row<WORDS>; TILE_ROWS as usize]; TILE_ROWS_KEPT as usize],
+    features: F,
     /// Of the newest 32 smoothed rows, those that were really smoothed; the others are as they came.
     is_smoothed: u32,
     raw_len: u32,
@@ -30,12 +55,12 @@ pub(crate) struct CameraView<const WORDS: usize> {
     features_len: u32,
 }
 
-impl<const WORDS: usize> CameraView<WORDS> {
+impl<const WORDS: usize, F: FeatureRows<WORDS>> CameraView<WORDS, F> {
     pub(crate) const fn new() -> Self {
         Self {
             raw: [[0; WORDS]; RAW_ROWS as usize],
             smooth: [[0; WORDS]; SMOOTH_ROWS as usize],
-            features: [[[0; WORDS]; TILE_ROWS as usize]; TILE_ROWS_KEPT as usize],
+            features: F::EMPTY,
             is_smoothed: 0,
             raw_len: 0,
             smooth_len: 0,
@@ -62,14 +87,7 @@ impl<const WORDS: usize> CameraView<WORDS> {
     pub(crate) fn push(&mut self, pixels: &[u8], gain: Gain) {
         let row = &mut self.raw[(self.raw_len % RAW_ROWS) as usize];
         self.raw_len += 1;
-        match gain.doublings() {
-            0 => fill(row, pixels, |word| word ^ FLIP),
-            1 => fill(row, pixels, |word| lanes::add(word, word) ^ FLIP),
-            _ => fill(row, pixels, |word| {
-                let twice = lanes::add(word, word);
-                lanes::add(twice, twice) ^ FLIP
-            }),
-        }
+        fill(row, pixels, gain.doublings());
         replicate_borders(row, pixels.len());
     }
 
@@ -119,7 +137,7 @@ impl<const WORDS: usize> CameraView<WORDS> {
         let y = self.features_len;
         self.features_len += 1;
         let words = words_for(width);
-        let out = &mut self.features[tile_slot(y / TILE_ROWS)][(y % TILE_ROWS) as usize];
+        let out = &mut self.features.tiles_mut(y / TILE_ROWS)[(y % TILE_ROWS) as usize];
         let smooth = |y: i64| {
             let row = smoothed(&self.raw, &self.smooth, self.is_smoothed, clamp(y, self.smooth_len));
             &row[..words]
@@ -134,13 +152,9 @@ impl<const WORDS: usize> CameraView<WORDS> {
     }
 
     /// The features of a row of tiles.
-    pub(crate) fn tiles(&self, tile_row: u32) -> &[Row<WORDS>; TILE_ROWS as usize] {
-        &self.features[tile_slot(tile_row)]
+    pub(crate) fn tiles(&self, tile_row: u32) -> &TileRows<WORDS> {
+        self.features.tiles(tile_row)
     }
-}
-
-const fn tile_slot(tile_row: u32) -> usize {
-    (tile_row % TILE_ROWS_KEPT) as usize
 }
 
 /// Words of a row of `width` columns, margins included.
@@ -160,22 +174,6 @@ fn smoothed<'a, const WORDS: usize>(
     y: u32,
 ) -> &'a Row<WORDS> {
     if is_smoothed >> (y % 32) & 1 == 1 { &smooth[(y % SMOOTH_ROWS) as usize] } else { &raw[(y % RAW_ROWS) as usize] }
-}
-
-/// Fills a row with the words of its pixels.
-#[inline(always)]
-fn fill(row: &mut [u32], pixels: &[u8], word: impl Fn(u32) -> u32) {
-    let Some(row) = row.get_mut(1..) else { return };
-    let (eights, rest) = pixels.as_chunks::<8>();
-    let (pairs, _) = row.as_chunks_mut::<2>();
-    for (to, &[a, b, c, d, e, f, g, h]) in pairs.iter_mut().zip(eights) {
-        *to = [word(u32::from_le_bytes([a, b, c, d])), word(u32::from_le_bytes([e, f, g, h]))];
-    }
-    for (to, rest) in row.iter_mut().skip(2 * eights.len()).zip(rest.chunks(4)) {
-        let mut last = [0; 4];
-        last[..rest.len()].copy_from_slice(rest);
-        *to = word(u32::from_le_bytes(last));
-    }
 }
 
 /// Fills the margins of a row of `width` columns with its first and its last column.

@@ -5,7 +5,7 @@ use crate::front_end::exposure::Gain;
 use crate::front_end::haar::difference_121;
 use crate::front_end::reading::Reading;
 use crate::front_end::ring::MARGIN;
-use crate::lanes::rows::{Mean, load};
+use crate::lanes::rows::{Mean, second_difference};
 
 const BINS: usize = 64;
 /// One pixel in so many is looked at.
@@ -64,19 +64,22 @@ impl NoiseHistogram {
 
     /// Takes every `stride`-th pixel of the row between `above` and `below`, from `first` on, into account; signed rows in
     /// words, with a word of margin.
-    pub(crate) fn sample(&mut self, rows: [&[u32]; 3], first: usize, stride: usize, weight: u16, width: usize) {
-        let mut x = first.max(1);
-        while x + 1 < width {
-            let [a, b, c] = rows.map(|row| {
-                let word = load(row, x + 3);
-                let of = |lane: usize| i32::from(word.to_le_bytes()[lane].cast_signed());
-                difference_121(of(0), of(1), of(2))
-            });
-            let second = difference_121(a, b, c).unsigned_abs() as usize;
+    #[inline(never)]
+    pub(crate) fn sample<const WORDS: usize>(
+        &mut self,
+        rows: [&[u32; WORDS]; 3],
+        first: usize,
+        stride: usize,
+        weight: u16,
+        width: usize,
+    ) {
+        let mut total = self.total;
+        for x in (first.max(1)..width.saturating_sub(1)).step_by(stride) {
+            let second = second_difference(rows, x + 3) as usize;
             self.bins[second.min(BINS - 1)] += weight;
-            self.total += weight;
-            x += stride;
+            total += weight;
         }
+        self.total = total;
         if self.total >= FULL {
             self.total = 0;
             for bin in &mut self.bins {

@@ -56,3 +56,81 @@ pub(crate) fn difference(a: u32, b: u32) -> u32 {
 pub(crate) fn zero_lane_bits(word: u32) -> u32 {
     select_ge(0, word, ONES, 0).trailing_zeros() & 24
 }
+
+/// `|a - b|` of unsigned halves.
+#[inline(always)]
+pub(crate) fn difference_of_halves(a: u32, b: u32) -> u32 {
+    sub_saturating_halves(a, b) | sub_saturating_halves(b, a)
+}
+
+/// The same 16 bits in each half.
+#[inline(always)]
+pub(crate) const fn splat_half(half: u32) -> u32 {
+    half * 0x0001_0001
+}
+
+#[cfg(test)]
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    clippy::cast_possible_wrap,
+    reason = "lanes are cut out"
+)]
+mod tests {
+    use super::*;
+
+    /// Words with all kinds of lanes and halves, extreme ones too.
+    fn words() -> impl Iterator<Item = u32> + Clone {
+        let extremes =
+            [0, 1, 0x7f, 0x80, 0xff, 0x7fff, 0x8000, 0xffff, 0x017f_8000, 0x80ff_7f01, 0xff00_ff00, u32::MAX];
+        let random = (1..40u32).map(|i| {
+            let word = i.wrapping_mul(0x9e37_79b1);
+            (word ^ word >> 15).wrapping_mul(0x85eb_ca6b)
+        });
+        extremes.into_iter().chain(random)
+    }
+
+    fn by_halves(a: u32, b: u32, f: impl Fn(u16, u16) -> u16) -> u32 {
+        let [low, high] = [0, 16].map(|shift| u32::from(f((a >> shift) as u16, (b >> shift) as u16)));
+        low | high << 16
+    }
+
+    fn by_lanes(a: u32, b: u32, f: impl Fn(u8, u8) -> u8) -> u32 {
+        let (a, b) = (a.to_le_bytes(), b.to_le_bytes());
+        u32::from_le_bytes([0, 1, 2, 3].map(|i| f(a[i], b[i])))
+    }
+
+    #[test]
+    fn halves_are_worked_on_by_themselves() {
+        for (a, b) in words().flat_map(|a| words().map(move |b| (a, b))) {
+            assert_eq!(sub_saturating_halves(a, b), by_halves(a, b, u16::saturating_sub));
+            assert_eq!(difference_of_halves(a, b), by_halves(a, b, u16::abs_diff));
+            assert_eq!(halved_sum_halves(a, b), by_halves(a, b, u16::midpoint));
+            let halved_difference = |a: u16, b: u16| ((i32::from(a) - i32::from(b)) >> 1) as u16;
+            assert_eq!(halved_difference_halves(a, b), by_halves(a, b, halved_difference));
+            let signed_mean = |a: u16, b: u16| ((i32::from(a as i16) + i32::from(b as i16)) >> 1) as u16;
+            assert_eq!(signed_halved_sum_halves(a, b), by_halves(a, b, signed_mean));
+            let (x, y) = (0x1234_5678, 0x9abc_def0);
+            let selected = by_halves(a, b, |a, b| if a >= b { 0xffff } else { 0 });
+            assert_eq!(select_ge_halves(a, b, x, y), x & selected | y & !selected);
+            let limited = a & 0x7fff_7fff;
+            assert_eq!(saturated_halves(limited), by_halves(limited, 0, |a, _| a.min(255)));
+        }
+    }
+
+    #[test]
+    fn lanes_are_ordered() {
+        for (a, b) in words().flat_map(|a| words().map(move |b| (a, b))) {
+            assert_eq!(min_max(a, b), (by_lanes(a, b, u8::min), by_lanes(a, b, u8::max)));
+            assert_eq!(difference(a, b), by_lanes(a, b, u8::abs_diff));
+        }
+    }
+
+    #[test]
+    fn numbers_are_divided_and_limited() {
+        for (a, b) in [(7, 2), (-7, 2), (-32640, 255), (0, 9)] {
+            assert_eq!(quotient(a, b), a / b);
+        }
+        assert_eq!([-1000, -1, 0, 200, 255, 256].map(limited_to_byte), [0, 0, 0, 200, 255, 255]);
+    }
+}

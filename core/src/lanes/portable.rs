@@ -56,6 +56,12 @@ pub(crate) const fn max(a: u32, b: u32) -> u32 {
     select_ge(a, b, a, b)
 }
 
+/// The lesser and the greater of unsigned lanes.
+#[inline(always)]
+pub(crate) const fn min_max(a: u32, b: u32) -> (u32, u32) {
+    (min(a, b), max(a, b))
+}
+
 /// Difference of the lanes modulo 256 (USUB8).
 #[inline(always)]
 pub(crate) const fn wrapping_sub(a: u32, b: u32) -> u32 {
@@ -107,11 +113,32 @@ pub(crate) const fn signed_halved_sum(a: u32, b: u32) -> u32 {
     halved_sum(a ^ TOP, b ^ TOP) ^ TOP
 }
 
+/// The quotient, rounded towards 0; the divisor is not 0 (SDIV).
+#[inline(always)]
+pub(crate) const fn quotient(a: i32, b: i32) -> i32 {
+    a / b
+}
+
+/// A number limited to 0 to 255 (USAT).
+#[inline(always)]
+pub(crate) fn limited_to_byte(number: i32) -> u32 {
+    number.clamp(0, 255).cast_unsigned()
+}
+
 /// `word >> 8`, at most 255 (USAT).
 #[inline(always)]
 pub(crate) const fn saturated_byte(word: u32) -> u32 {
     let word = word >> 8;
     if word > 255 { 255 } else { word }
+}
+
+/// Each of two 16-bit halves, below 2^15, at most 255 (USAT16).
+#[inline(always)]
+pub(crate) const fn saturated_halves(word: u32) -> u32 {
+    // 0x80 in a half that is greater, which 0xff then replaces.
+    let over =
+        ((word >> 8 | word >> 9 | word >> 10 | word >> 11 | word >> 12 | word >> 13 | word >> 14) & 0x0001_0001) * 0xff;
+    (word | over) & 0x00ff_00ff
 }
 
 /// Sum of the two 16-bit halves modulo 2^16 (UADD16).
@@ -124,6 +151,44 @@ pub(crate) const fn add_halves(a: u32, b: u32) -> u32 {
 #[inline(always)]
 pub(crate) const fn sub_halves(a: u32, b: u32) -> u32 {
     ((a | 0x8000_8000) - (b & 0x7fff_7fff)) ^ ((a ^ !b) & 0x8000_8000)
+}
+
+/// What a function makes of each pair of halves.
+#[inline(always)]
+fn by_halves(a: u32, b: u32, f: impl Fn(u32, u32) -> u32) -> u32 {
+    f(a & 0xffff, b & 0xffff) & 0xffff | f(a >> 16, b >> 16) << 16
+}
+
+/// Saturating difference of unsigned halves (UQSUB16).
+#[inline(always)]
+pub(crate) fn sub_saturating_halves(a: u32, b: u32) -> u32 {
+    by_halves(a, b, u32::saturating_sub)
+}
+
+/// Half of the sum of unsigned halves, rounded down (UHADD16).
+#[inline(always)]
+pub(crate) fn halved_sum_halves(a: u32, b: u32) -> u32 {
+    by_halves(a, b, |a, b| (a + b) >> 1)
+}
+
+/// Half of the difference of unsigned halves, rounded down, modulo 2^16 (UHSUB16).
+#[inline(always)]
+pub(crate) fn halved_difference_halves(a: u32, b: u32) -> u32 {
+    by_halves(a, b, |a, b| a.wrapping_sub(b) >> 1)
+}
+
+/// Half of the sum of signed halves, rounded down (SHADD16).
+#[inline(always)]
+pub(crate) fn signed_halved_sum_halves(a: u32, b: u32) -> u32 {
+    halved_sum_halves(a ^ 0x8000_8000, b ^ 0x8000_8000) ^ 0x8000_8000
+}
+
+/// In each unsigned half `x` where `a >= b`, else `y` (USUB16, SEL).
+#[inline(always)]
+pub(crate) fn select_ge_halves(a: u32, b: u32, x: u32, y: u32) -> u32 {
+    let low = if a & 0xffff >= b & 0xffff { x } else { y };
+    let high = if a >> 16 >= b >> 16 { x } else { y };
+    low & 0xffff | high & 0xffff_0000
 }
 
 /// Sum of the lanes modulo 256 (UADD8).

@@ -2,9 +2,12 @@
 //!
 //! A row is a slice of words of four columns each, the lowest byte leftmost. Every kernel checks its lengths once and
 //! then reads without a check for each word.
+#![allow(clippy::needless_range_loop, reason = "words of several rows at one number")]
 #![expect(unsafe_code, reason = "words at byte offsets that are no multiple of four, without a check for each")]
 
-use super::{sad_add, signed_add, signed_halved_sum, signed_sub, splat, sub, wrapping_add};
+use super::{add, sad_add, signed_add, signed_halved_sum, signed_sub, splat, sub, wrapping_add};
+#[cfg(haarline_dsp)]
+use super::{gradient_across_fours, gradient_down_fours};
 
 /// Flips unsigned bytes, 0 to 255, to signed ones, -128 to 127, and back.
 pub(crate) const FLIP: u32 = 0x8080_8080;
@@ -29,62 +32,62 @@ pub(crate) struct Clips {
     narrow: Option<Clip>,
 }
 
-/// Limits signed lanes to `-limit..=limit` and moves them to `128..=128 + 2 limit`.
+/// Limits lanes, 128 for 0, to `128 - limit..=128 + limit` and moves them to `255 - 2 limit..=255`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Clip {
-    raise: u32,
     lower: u32,
+    raise: u32,
 }
 
 impl Clip {
     const fn new(limit: u32) -> Self {
-        Self { raise: splat(127 - limit), lower: splat(128 - 2 * limit) }
+        Self { lower: splat(128 - limit), raise: splat(255 - 2 * limit) }
     }
 
     #[inline(always)]
     fn of(self, gradient: u32) -> u32 {
-        // Saturating at 127 and then at -128 cuts both ends.
-        let upper = signed_sub(signed_add(gradient, self.raise), splat(127));
-        signed_sub(upper, self.lower)
+        // Saturating at 0 and then at 255 cuts both ends.
+        add(sub(gradient, self.lower), self.raise)
     }
 }
 
 impl Clips {
-    /// Limits of 1 to 63 whose sum is below 64; `narrow` of 0 is none.
+    /// What is subtracted and added to limit.
+    #[cfg(haarline_dsp)]
+    fn limits(self) -> [Option<[u32; 2]>; 2] {
+        [Some(self.wide), self.narrow].map(|clip| clip.map(|clip| [clip.lower, clip.raise]))
+    }
+
+    /// Limits whose sum is at most 127; `narrow` of 0 is none.
     pub(crate) const fn new(wide: u32, narrow: u32) -> Self {
         Self { wide: Clip::new(wide), narrow: if narrow == 0 { None } else { Some(Clip::new(narrow)) } }
     }
 }
 
-/// What `gradient` makes of each word but the first and the last, limited.
+/// What `gradient`, of signed lanes, makes of each word from `first` on but the last, limited.
 #[inline(always)]
-fn clip_row(clips: Clips, out: &mut [u32], gradient: impl Fn(usize) -> u32) {
+fn clip_row(clips: Clips, out: &mut [u32], first: usize, gradient: impl Fn(usize) -> u32) {
     let last = out.len().saturating_sub(1);
-    let Some(out) = out.get_mut(1..last) else { return };
     let Clips { wide, narrow } = clips;
-    match narrow {
-        // The two offsets of 128 cancel modulo 256.
-        Some(narrow) => each_word(out, |i| {
-            let gradient = gradient(i);
-            wrapping_add(wide.of(gradient), narrow.of(gradient))
-        }),
-        None => each_word(out, |i| wide.of(gradient(i))),
+    for i in first..last {
+        let gradient = gradient(i) ^ FLIP;
+        out[i] = match narrow {
+            // The offsets of 255 - 2 limit add up modulo 256.
+            Some(narrow) => wrapping_add(wide.of(gradient), narrow.of(gradient)),
+            None => wide.of(gradient),
+        };
     }
 }
 
-/// Fills words by their number from 1 on, two at a time.
+/// Runs a kernel over as many fours of words as a row has between its margins; the first word that is left.
+#[cfg(haarline_dsp)]
 #[inline(always)]
-fn each_word(out: &mut [u32], word: impl Fn(usize) -> u32) {
-    let mut i = 1;
-    let (pairs, rest) = out.as_chunks_mut::<2>();
-    for pair in pairs {
-        let (a, b) = (word(i), word(i + 1));
-        *pair = [a, b];
-        i += 2;
+fn by_fours(words: usize, kernel: impl FnOnce(usize)) -> usize {
+    let fours = words.saturating_sub(2) / 4;
+    if fours > 0 {
+        kernel(fours);
     }
-    for last in rest {
-        *last = word(i);
-    }
+    4 * fours + 1
 }
 
 /// Features of the gradient along the row: `[1 1]` down x `[-1 0 1]` across (pair sum and pair difference).
@@ -94,7 +97,12 @@ fn each_word(out: &mut [u32], word: impl Fn(usize) -> u32) {
 pub(crate) fn gradient_across(rows: [&[u32]; 2], clips: Clips, out: &mut [u32]) {
     let [a, b] = rows;
     assert!(a.len() == out.len() && b.len() == out.len());
-    clip_row(clips, out, |i| {
+    // SAFETY: the rows have `4 * fours + 2` words and more.
+    #[cfg(haarline_dsp)]
+    let first = by_fours(out.len(), |fours| unsafe { gradient_across_fours(rows, clips.limits(), out, fours) });
+    #[cfg(not(haarline_dsp))]
+    let first = 1;
+    clip_row(clips, out, first, |i| {
         // SAFETY: the words begin one byte before and one after word `i`, which is neither the first nor the last.
         let across = |row| unsafe { signed_sub(word(row, 4 * i + 1), word(row, 4 * i - 1)) };
         signed_add(across(a), across(b))
@@ -108,54 +116,105 @@ pub(crate) fn gradient_across(rows: [&[u32]; 2], clips: Clips, out: &mut [u32]) 
 pub(crate) fn gradient_down(rows: [&[u32]; 2], clips: Clips, out: &mut [u32]) {
     let [above, below] = rows;
     assert!(above.len() == out.len() && below.len() == out.len());
-    clip_row(clips, out, |i| {
+    // SAFETY: the rows have `4 * fours + 2` words and more.
+    #[cfg(haarline_dsp)]
+    let first = by_fours(out.len(), |fours| unsafe { gradient_down_fours(rows, clips.limits(), out, fours) });
+    #[cfg(not(haarline_dsp))]
+    let first = 1;
+    clip_row(clips, out, first, |i| {
         // SAFETY: word `i` is neither the first nor the last.
         let down = |byte| unsafe { signed_sub(word(below, byte), word(above, byte)) };
         signed_add(down(4 * i), down(4 * i + 1))
     });
 }
 
-/// Haar responses of half-support 2 in the words `at` and `at + 1`: mean of two columns by the rows given, less that of the
-/// two columns before; 0 where it falls (where it rises if `falling`).
-#[inline(always)]
-pub(crate) fn responses(rows: &[&[u32]], at: usize, falling: bool) -> [u32; 2] {
-    for row in rows {
-        assert!(at + 3 <= row.len() && at > 0);
-    }
-    // SAFETY: there is a word on either side of both.
-    [at, at + 1].map(|at| unsafe { response_at(rows, at, falling) })
-}
-
-/// The same in the word `at` alone.
-#[inline(always)]
-pub(crate) fn response(rows: &[&[u32]], at: usize, falling: bool) -> u32 {
-    for row in rows {
-        assert!(at + 2 <= row.len() && at > 0);
-    }
-    // SAFETY: there is a word on either side.
-    unsafe { response_at(rows, at, falling) }
-}
-
-/// The response in a word.
-///
-/// # Safety
-/// All rows must have a word before and one after it.
-#[inline(always)]
-unsafe fn response_at(rows: &[&[u32]], at: usize, falling: bool) -> u32 {
-    // SAFETY: from two bytes before the word to one byte after it.
-    let mean = |offset: usize| unsafe {
-        match *rows {
-            [a, b] => signed_halved_sum(word(a, 4 * at + offset - 2), word(b, 4 * at + offset - 2)),
-            [a, b, c, d] => signed_halved_sum(
-                signed_halved_sum(word(b, 4 * at + offset - 2), word(c, 4 * at + offset - 2)),
-                signed_halved_sum(word(a, 4 * at + offset - 2), word(d, 4 * at + offset - 2)),
-            ),
-            _ => 0,
-        }
+/// Fills the words of a row after its first with pixels, doubled so often, saturating, and made signed.
+pub(crate) fn fill(row: &mut [u32], pixels: &[u8], doublings: u32) {
+    let Some(row) = row.get_mut(1..) else { return };
+    assert!(pixels.len() <= 4 * row.len());
+    #[cfg(not(haarline_dsp))]
+    let done = 0;
+    #[cfg(haarline_dsp)]
+    let done = if doublings == 0 && pixels.as_ptr().cast::<u32>().is_aligned() && pixels.len() >= 32 {
+        let eights = pixels.len() / 32;
+        // SAFETY: aligned; the pixels have 32 * eights bytes, and the row as many.
+        unsafe { super::flip_eights(pixels.as_ptr().cast(), row.as_mut_ptr(), eights) };
+        8 * eights
+    } else {
+        0
     };
-    let before = signed_halved_sum(mean(0), mean(1)) ^ FLIP;
-    let after = signed_halved_sum(mean(2), mean(3)) ^ FLIP;
-    if falling { sub(before, after) } else { sub(after, before) }
+    let doubled = |word| (0..doublings).fold(word, |word, _| add(word, word)) ^ FLIP;
+    let (words, rest) = pixels[4 * done..].as_chunks::<4>();
+    let row = &mut row[done..];
+    for (to, &word) in row.iter_mut().zip(words) {
+        *to = doubled(u32::from_le_bytes(word));
+    }
+    if let Some(to) = row.get_mut(words.len())
+        && !rest.is_empty()
+    {
+        let mut last = [0; 4];
+        last[..rest.len()].copy_from_slice(rest);
+        *to = doubled(u32::from_le_bytes(last));
+    }
+}
+
+/// `|[1 -2 1] x [1 -2 1]|` of the three columns from `byte` on of three rows of signed bytes; a fourth must follow.
+#[inline(always)]
+pub(crate) fn second_difference<const WORDS: usize>(rows: [&[u32; WORDS]; 3], byte: usize) -> u32 {
+    assert!(byte + 4 <= 4 * WORDS);
+    // SAFETY: checked above.
+    let [a, b, c] = rows.map(|row| unsafe { word(row, byte) } ^ FLIP);
+    let even = |word, sum| sad_add(word & 0x00ff_00ff, 0, sum);
+    let odd = |word: u32| word >> 8 & 0xff;
+    let corners = even(a, even(c, 4 * odd(b)));
+    let edges = even(b, odd(a) + odd(c));
+    corners.abs_diff(2 * edges)
+}
+
+/// Haar responses of half-support 2 along a row of tiles: mean of two columns by two or four rows, less that of the two
+/// columns before; 0 where it falls (where it rises if `FALLING`). Two words a tile.
+///
+/// - `words`: of a row, margins included.
+#[inline(always)]
+pub(crate) fn haar_responses<const WORDS: usize, const ROWS: usize, const FALLING: bool>(
+    rows: [&[u32; WORDS]; ROWS],
+    words: usize,
+    mut take: impl FnMut([u32; 2]),
+) {
+    let mean = |words: [u32; ROWS]| match words[..] {
+        [a, b] => signed_halved_sum(a, b),
+        [a, b, c, d] => signed_halved_sum(signed_halved_sum(b, c), signed_halved_sum(a, d)),
+        _ => 0,
+    };
+    let margin = mean(rows.map(|row| row[0]));
+    let mut column = mean(rows.map(|row| row[1]));
+    let mut before = pair_means(margin, column);
+    let mut word = |next: u32| {
+        let after = pair_means(column, next);
+        let two_before = before >> 16 | after << 16;
+        (column, before) = (next, after);
+        if FALLING { sub(two_before, after) } else { sub(after, two_before) }
+    };
+    // The words after the first one of a tile and after the second.
+    let tiles = (words - 2) / 2;
+    let pairs = rows.map(|row| &row[2..words].as_chunks::<2>().0[..tiles]);
+    for tile in 0..tiles {
+        let first = word(mean(pairs.map(|pairs| pairs[tile][0])));
+        let second = word(mean(pairs.map(|pairs| pairs[tile][1])));
+        take([first, second]);
+    }
+    if !words.is_multiple_of(2) {
+        // Beyond the margin it goes on like it.
+        let margin = mean(rows.map(|row| row[words - 1]));
+        let first = word(margin);
+        take([first, word(margin)]);
+    }
+}
+
+/// Means of each column and the next, unsigned, of columns that are signed.
+#[inline(always)]
+fn pair_means(word: u32, next: u32) -> u32 {
+    signed_halved_sum(word, word >> 8 | next << 24) ^ FLIP
 }
 
 /// Sums of absolute differences of the four cells of a tile, 4 x 2 px each: left and right of the upper two rows, then of the
@@ -215,22 +274,25 @@ impl Window {
     }
 }
 
-/// The word at any byte of a row; 0 where it lies outside.
+/// The word at any byte of a row; all bits set where it lies outside.
 #[inline(always)]
 pub(crate) fn load(row: &[u32], byte: usize) -> u32 {
-    if byte + 4 > 4 * row.len() {
-        return 0;
+    if byte > (4 * row.len()).saturating_sub(4) || row.is_empty() {
+        return u32::MAX;
     }
     // SAFETY: checked above.
     unsafe { word(row, byte) }
 }
 
-/// Stores a word at any byte of a row; nothing where it lies outside.
+/// Changes the word at any byte of a row; nothing where it lies outside.
 #[inline(always)]
-pub(crate) fn store(row: &mut [u32], byte: usize, value: u32) {
-    if byte + 4 <= 4 * row.len() {
-        // SAFETY: checked.
-        unsafe { row.as_mut_ptr().cast::<u8>().add(byte).cast::<u32>().write_unaligned(value.to_le()) };
+pub(crate) fn update(row: &mut [u32], byte: usize, change: impl FnOnce(u32) -> u32) {
+    if byte <= (4 * row.len()).saturating_sub(4) && !row.is_empty() {
+        // SAFETY: checked above.
+        unsafe {
+            let value = change(word(row, byte));
+            row.as_mut_ptr().cast::<u8>().add(byte).cast::<u32>().write_unaligned(value.to_le());
+        }
     }
 }
 
@@ -283,15 +345,15 @@ pub(crate) fn mean_across(row: &[u32], mean: Mean, out: &mut [u32]) {
             }
         }
         Mean::Five => {
-            for (i, out) in out.iter_mut().enumerate().take(last).skip(1) {
+            for i in 1..last {
                 // SAFETY: two bytes beyond word `i` on either side.
-                *out = unsafe { five(row, 4 * i) };
+                out[i] = unsafe { five(row, 4 * i) };
             }
         }
         Mean::Nine => {
-            for (i, out) in out.iter_mut().enumerate().take(last).skip(1) {
+            for i in 1..last {
                 // SAFETY: four bytes beyond word `i` on either side.
-                *out = unsafe { signed_halved_sum(five(row, 4 * i - 2), five(row, 4 * i + 2)) };
+                out[i] = unsafe { signed_halved_sum(five(row, 4 * i - 2), five(row, 4 * i + 2)) };
             }
         }
     }

@@ -3,7 +3,7 @@
 //! In the manner of semi-global matching (H. Hirschmueller, Stereo processing by semi-global matching and mutual information,
 //! IEEE TPAMI 30, 2008), but over the four labels of a tile instead of all disparities.
 
-use crate::lanes::{ONES, add, difference, lane, least, min, select_ge, splat, sub, wrapping_sub};
+use crate::lanes::{ONES, add, difference, least, min, select_ge, splat, sub, wrapping_sub};
 
 /// What a change of the label from one cell to the next costs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -59,16 +59,53 @@ impl Penalties {
         min(min(min(from_above, from_below), sums), self.jump)
     }
 
-    /// What a cell with the labels `from` and the path sums `sums` tells one with the labels `to`.
-    #[inline(never)]
-    pub(crate) fn other_labels(self, sums: u32, from: u32, to: u32) -> u32 {
+    /// What a label of one tile pays for each label of another.
+    #[inline(always)]
+    pub(crate) fn between(self, from: u32, to: u32) -> Prices {
+        Prices([0, 8, 16, 24].map(|bits| self.price(from.rotate_right(bits), to)))
+    }
+
+    /// What each of `labels` pays for not being the same lane of `others`; at least a jump's price if it is not beside it.
+    #[inline(always)]
+    fn price(self, others: u32, labels: u32) -> u32 {
+        let distance = difference(labels, others);
+        select_ge(ONES, distance, (distance & ONES) * self.slope, u32::MAX)
+    }
+
+    /// What a cell whose path sums are `sums` tells one with other labels.
+    #[inline(always)]
+    pub(crate) fn other_labels(self, sums: u32, prices: &Prices) -> u32 {
         let mut message = self.jump;
-        for i in 0..4 {
-            let distance = difference(to, splat(lane(from, i)));
-            let price = select_ge(ONES, distance, (distance & ONES) * self.slope, u32::MAX);
-            message = min(message, add(splat(lane(sums, i)), price));
+        for (bits, price) in [0, 8, 16, 24].into_iter().zip(prices.0) {
+            message = min(message, add(sums.rotate_right(bits), price));
         }
         message
+    }
+
+    /// The same of two cells of the same labels, `from`, to two of the labels `to`.
+    #[inline(always)]
+    pub(crate) fn both_other_labels(self, sums: [u32; 2], from: u32, to: u32) -> [u32; 2] {
+        let mut messages = [self.jump; 2];
+        for bits in [0, 8, 16, 24] {
+            let price = self.price(from.rotate_right(bits), to);
+            for (message, sums) in messages.iter_mut().zip(sums) {
+                *message = min(*message, add(sums.rotate_right(bits), price));
+            }
+        }
+        messages
+    }
+}
+
+/// What the labels of a tile pay for those of another: in the word `i` each lane for the lane `i` further on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Prices([u32; 4]);
+
+impl Prices {
+    /// The same the other way.
+    #[inline(always)]
+    pub(crate) const fn reversed(self) -> Self {
+        let Self([same, first, second, third]) = self;
+        Self([same, third.rotate_right(8), second.rotate_right(16), first.rotate_right(24)])
     }
 }
 

@@ -1,7 +1,7 @@
 //! A tile of 8 x 4 px: its hypotheses, the extremum search among them, and the four labels that its cells choose from.
 //!
 //! A label is a disparity less the least one searched, 0 to 255, so that it fits a byte.
-#![expect(
+#![allow(
     clippy::cast_possible_truncation,
     clippy::cast_possible_wrap,
     clippy::cast_sign_loss,
@@ -11,24 +11,31 @@
 use crate::Config;
 use crate::front_end::camera_view::Row;
 use crate::lanes::rows::tile_sad;
-use crate::lanes::saturated_byte;
+use crate::lanes::{saturated_byte, saturated_halves};
 
-/// Most disparities that a tile tries: seven hypotheses, and the steps of the extremum search.
-const MOST: usize = 12;
+/// Most disparities that a tile tries: seven hypotheses, and the steps of the extremum search. A power of two, so that a
+/// mask keeps places within it.
+const MOST: usize = 16;
 
 /// What the search of the tiles is told.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct TileSettings {
-    /// A cell's cost is `(cell * its own sum + tile * the tile's sum) / 256`, at most 255.
-    pub(crate) cell: u32,
-    /// See `cell`.
-    pub(crate) tile: u32,
+    pub(crate) cost: CellCost,
     /// What the tile pays for a label one from that of its left or upper neighbour.
     pub(crate) near: u32,
     /// The same for a label further away.
     pub(crate) far: u32,
     /// Whether the extremum step is taken.
     pub(crate) extremum: bool,
+}
+
+/// What a label costs a cell, at most 255.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum CellCost {
+    /// The cell's own sum, divided by 2 to this power.
+    Own { shift: u32 },
+    /// `(cell * its own sum + tile * the tile's sum) / 256`.
+    Shared { cell: u32, tile: u32 },
 }
 
 /// The four labels of a tile, ascending, and what each costs each of its cells.
@@ -42,54 +49,47 @@ pub(crate) struct Tile {
     pub(crate) best: u32,
 }
 
-/// A disparity that was tried.
-#[derive(Clone, Copy)]
-struct Trial {
-    label: u32,
-    /// Sum of the whole tile.
-    sum: u32,
-    /// Costs of the four cells.
-    cells: u32,
+/// What was tried of a tile, in this order.
+pub(crate) struct Trials {
+    /// Sum of the whole tile, place in the list, label: 20, 4 and 8 bits.
+    keys: [u32; MOST],
+    /// Sums of the four cells, two in a word: the upper and the lower ones.
+    cells: [[u32; 2]; MOST],
+    /// For each label the tile that tried it last, and its place in the list: 12 and 4 bits. The last one stands for no label.
+    places: [u16; PLACES],
 }
 
-/// What was tried of a tile, in this order, and which labels these are.
-pub(crate) struct Trials {
-    list: [Trial; MOST],
-    len: usize,
-    tried: [u32; 8],
-}
+/// Places of labels: a power of two, so that a mask keeps within it whatever stands for no label.
+const PLACES: usize = 512;
 
 impl Trials {
     pub(crate) const fn new() -> Self {
-        Self { list: [Trial { label: 0, sum: 0, cells: 0 }; MOST], len: 0, tried: [0; 8] }
+        Self { keys: [0; MOST], cells: [[0; 2]; MOST], places: [u16::MAX; PLACES] }
     }
 
+    /// The place of a label, if the tile tried it.
     #[inline(always)]
-    fn clear(&mut self) {
-        (self.len, self.tried) = (0, [0; 8]);
+    fn place(&self, tile: usize, label: u32) -> Option<usize> {
+        let place = usize::from(self.places[label as usize % PLACES]);
+        (place >> 4 == tile).then_some(place % MOST)
     }
 
+    /// Puts a label at a place.
     #[inline(always)]
-    fn as_slice(&self) -> &[Trial] {
-        &self.list[..self.len.min(MOST)]
+    fn put(&mut self, tile: usize, label: u32, place: usize) {
+        self.places[label as usize % PLACES] = (tile << 4 | place) as u16;
+        self.keys[place % MOST] = label;
     }
+}
 
-    /// Whether a label, at most 255, was not tried yet; from now on it was.
-    #[inline(always)]
-    fn is_new(&mut self, label: u32) -> bool {
-        let (word, bit) = (&mut self.tried[(label >> 5 & 7) as usize], 1 << (label & 31));
-        let is_new = *word & bit == 0;
-        *word |= bit;
-        is_new
-    }
+/// The label of a trial.
+const fn label_of(key: u32) -> u32 {
+    key & 0xff
+}
 
-    #[inline(always)]
-    fn push(&mut self, trial: Trial) {
-        if let Some(place) = self.list.get_mut(self.len) {
-            *place = trial;
-            self.len += 1;
-        }
-    }
+/// The sum of a trial over the whole tile.
+const fn sum_of(key: u32) -> u32 {
+    key >> 12
 }
 
 /// The features of a row of tiles in both views, and what is searched in them.
@@ -97,11 +97,11 @@ impl Trials {
 pub(crate) struct TileRow<'a, const WORDS: usize> {
     pub(crate) left: &'a [Row<WORDS>; 4],
     pub(crate) right: &'a [Row<WORDS>; 4],
-    /// Words of a row, margins included.
-    pub(crate) words: usize,
-    pub(crate) min_disparity: i32,
-    pub(crate) num_disparities: u32,
-    pub(crate) settings: TileSettings,
+    /// Columns of a row, rounded up to words.
+    columns: i32,
+    min_disparity: i32,
+    num_disparities: i32,
+    settings: TileSettings,
 }
 
 impl<'a, const WORDS: usize> TileRow<'a, WORDS> {
@@ -114,105 +114,228 @@ impl<'a, const WORDS: usize> TileRow<'a, WORDS> {
         Self {
             left,
             right,
-            words: crate::front_end::camera_view::words_for(usize::from(config.width)),
+            columns: i32::from(config.width.div_ceil(4) * 4),
             min_disparity: i32::from(config.min_disparity),
-            num_disparities: u32::from(config.num_disparities),
+            num_disparities: i32::from(config.num_disparities),
             settings,
         }
     }
 
     /// Decides the labels of a tile.
     ///
+    /// - `trials`: of the tiles before in this row.
     /// - `hypotheses`: labels to try; those outside the search or the right view are passed over.
     /// - `left`, `above`: what the neighbours decided; more than 255 where there is none.
     #[inline(always)]
-    pub(crate) fn search(&self, trials: &mut Trials, tile: usize, hypotheses: &[u32], left: u32, above: u32) -> Tile {
-        trials.clear();
+    pub(crate) fn search(&self, trials: &mut Trials, tile: usize, hypotheses: [u32; 7], left: u32, above: u32) -> Tile {
         // Label 0 would begin at this byte of the right row; the window may lie in the margins, not beyond.
         let origin = 8 * tile as i32 + 4 - self.min_disparity;
-        let lowest = (origin - 4 * (self.words as i32 - 2)).max(0) as u32;
-        let highest = origin.min(self.num_disparities as i32 - 1);
-        if highest < lowest as i32 {
-            return Tile { labels: 0, costs: [u32::MAX; 4], best: 0 };
+        let lowest = (origin - self.columns).max(0).cast_unsigned();
+        let Ok(highest) = u32::try_from(origin.min(self.num_disparities - 1)) else { return Tile::NOWHERE };
+        if highest < lowest {
+            return Tile::NOWHERE;
         }
-        let highest = highest as u32;
-        let at = At { left: 2 * tile + 1, origin: origin as usize };
-        for &label in hypotheses {
-            if label.wrapping_sub(lowest) <= highest - lowest && trials.is_new(label) {
-                trials.push(self.evaluate(at, label));
-            }
-        }
-        if trials.len == 0 {
-            let middle = (lowest + highest) / 2;
-            trials.is_new(middle);
-            trials.push(self.evaluate(at, middle));
-        }
-        let bias = |label: u32| self.settings.lean(left, label) + self.settings.lean(above, label);
-        let mut best = trials.list[0];
-        let mut least = u32::MAX;
-        if trials.len > 1 {
-            for &trial in trials.as_slice() {
-                let sum = trial.sum + bias(trial.label);
-                if sum < least {
-                    (least, best) = (sum, trial);
+        let mut hypotheses = hypotheses;
+        if lowest > 0 || highest + 1 < self.num_disparities.cast_unsigned() {
+            for label in &mut hypotheses {
+                if *label < lowest || *label > highest {
+                    *label = u32::MAX;
                 }
             }
-        } else {
-            least = best.sum + bias(best.label);
+        }
+        // No label counts as tried.
+        trials.places[PLACES - 1] = (tile << 4) as u16;
+        let mut len = 0;
+        for label in hypotheses {
+            if trials.place(tile, label).is_none() {
+                trials.put(tile, label, len);
+                len += 1;
+            }
+        }
+        if len == 0 {
+            trials.put(tile, (lowest + highest) / 2, 0);
+            len = 1;
+        }
+        let mut search = Search { row: self, trials, tile, origin: origin as usize, len };
+        let settings = &self.settings;
+        let mut best = 0;
+        let mut least = u32::MAX;
+        let mut consider = |key: u32| {
+            // What is no better before it pays for its neighbours is none afterwards.
+            if sum_of(key) < least {
+                let sum = sum_of(key) + settings.lean(left, label_of(key)) + settings.lean(above, label_of(key));
+                if sum < least {
+                    (least, best) = (sum, key);
+                }
+            }
+            best
+        };
+        let mut best = 0;
+        for i in 0..len {
+            let key = search.evaluate(i);
+            best = consider(key);
+        }
+        if !settings.extremum {
+            return search.keep_few(best, [None; 2]);
         }
         // The extremum search with its shortest support: the costs one step before and one after, and a step downhill.
-        let mut sides = [None; 2];
-        if self.settings.extremum {
-            for step in 0..2 {
-                let middle = best.label;
-                sides = [middle.wrapping_sub(1), middle + 1]
-                    .map(|label| (label.wrapping_sub(lowest) <= highest - lowest).then(|| self.at(trials, at, label)));
-                let start = best;
-                for side in sides.into_iter().flatten() {
-                    let sum = side.sum + bias(side.label);
-                    if sum < least {
-                        (least, best) = (sum, side);
-                    }
-                }
-                if best.label == start.label {
-                    break;
-                }
-                if step == 1 {
-                    // What lies beyond the last step is not looked at.
-                    sides = if best.label < start.label { [None, Some(start)] } else { [Some(start), None] };
-                }
+        let start = best;
+        let around = |key: u32| {
+            let label = label_of(key);
+            [(label > lowest).then(|| label - 1), (label < highest).then(|| label + 1)]
+        };
+        let [before, after] = around(start);
+        let mut sides = [before.map(|label| search.at(label)), after.map(|label| search.at(label))];
+        for side in sides.into_iter().flatten() {
+            best = consider(side);
+        }
+        if best != start {
+            let second = best;
+            let is_down = label_of(best) < label_of(start);
+            let next = around(second)[usize::from(!is_down)].map(|label| search.at(label));
+            sides = if is_down { [next, Some(start)] } else { [Some(start), next] };
+            if let Some(next) = next {
+                best = consider(next);
+            }
+            if best != second {
+                // What lies beyond the last step is not looked at.
+                sides = if is_down { [None, Some(second)] } else { [Some(second), None] };
             }
         }
-        keep(trials, best, sides)
-    }
-
-    /// The trial of a label, after trying it if that was not done.
-    #[inline(always)]
-    fn at(&self, trials: &mut Trials, at: At, label: u32) -> Trial {
-        if trials.is_new(label) {
-            let trial = self.evaluate(at, label);
-            trials.push(trial);
-            return trial;
+        match sides {
+            [Some(before), Some(after)] => search.keep(best, before, after),
+            sides => search.keep_few(best, sides),
         }
-        trials.as_slice().iter().find(|trial| trial.label == label).copied().unwrap_or(trials.list[0])
-    }
-
-    #[inline(always)]
-    fn evaluate(&self, at: At, label: u32) -> Trial {
-        crate::count::evaluations(1);
-        let [a, b, c, d] = tile_sad(self.left, at.left, self.right, at.origin - label as usize);
-        let sum = a + b + c + d;
-        let shared = self.settings.tile * sum;
-        let cost = |own: u32| saturated_byte(self.settings.cell * own + shared);
-        Trial { label, sum, cells: cost(a) | cost(b) << 8 | cost(c) << 16 | cost(d) << 24 }
     }
 }
 
-/// Where a tile lies: its first word, and the byte of the right row that label 0 begins at.
-#[derive(Clone, Copy)]
-struct At {
-    left: usize,
+/// The search of one tile.
+struct Search<'a, const WORDS: usize> {
+    row: &'a TileRow<'a, WORDS>,
+    trials: &'a mut Trials,
+    tile: usize,
+    /// The byte of the right row that label 0 begins at.
     origin: usize,
+    /// How many labels are on the list.
+    len: usize,
+}
+
+impl<const WORDS: usize> Search<'_, WORDS> {
+    /// The trial of a label, after trying it if that was not done.
+    #[inline(always)]
+    fn at(&mut self, label: u32) -> u32 {
+        if let Some(place) = self.trials.place(self.tile, label) {
+            return self.trials.keys[place];
+        }
+        let place = self.len;
+        self.len += 1;
+        self.trials.put(self.tile, label, place);
+        self.evaluate(place)
+    }
+
+    /// Tries the label at a place of the list.
+    #[inline(always)]
+    fn evaluate(&mut self, i: usize) -> u32 {
+        crate::count::evaluations(1);
+        let label = self.trials.keys[i % MOST];
+        let [a, b, c, d] =
+            tile_sad(self.row.left, 2 * self.tile + 1, self.row.right, self.origin.wrapping_sub(label as usize));
+        self.trials.cells[i % MOST] = [a | b << 16, c | d << 16];
+        let key = (a + b + c + d) << 12 | (i as u32) << 8 | label;
+        self.trials.keys[i % MOST] = key;
+        key
+    }
+
+    /// The best, those one step before and after it, and the cheapest of the others.
+    #[inline(always)]
+    fn keep(&self, best: u32, before: u32, after: u32) -> Tile {
+        let other = self.cheapest_beside(best);
+        let three = label_of(best) * 0x0001_0101 + 0x0001_0000 - 1;
+        if other == u32::MAX {
+            // The last label again, at a cost that nobody takes.
+            let labels = three | label_of(after) << 24;
+            let costs = self.costs([before, best, after, after]).map(|costs| costs | 0xff00_0000);
+            return Tile { labels, costs, best: label_of(best) };
+        }
+        let (labels, keys) = if label_of(other) < label_of(best) {
+            (label_of(other) | three << 8, [other, before, best, after])
+        } else {
+            (three | label_of(other) << 24, [before, best, after, other])
+        };
+        Tile { labels, costs: self.costs(keys), best: label_of(best) }
+    }
+
+    /// The trial of the least sum more than a step from the best; the first of equals; [`u32::MAX`] if there is none.
+    #[inline(always)]
+    fn cheapest_beside(&self, best: u32) -> u32 {
+        let mut other = u32::MAX;
+        for &key in &self.trials.keys[..self.len.min(MOST)] {
+            if label_of(key).wrapping_sub(label_of(best)).wrapping_add(1) > 2 {
+                other = other.min(key);
+            }
+        }
+        other
+    }
+
+    /// The same at an end of the range.
+    #[cold]
+    #[inline(never)]
+    fn keep_few(&self, best: u32, [before, after]: [Option<u32>; 2]) -> Tile {
+        let (below, above) = match self.cheapest_beside(best) {
+            u32::MAX => (None, None),
+            other if label_of(other) < label_of(best) => (Some(other), None),
+            other => (None, Some(other)),
+        };
+        let mut labels = 0;
+        let mut keys = [best; 4];
+        let mut len = 0;
+        for key in [below, before, Some(best), after, above].into_iter().flatten() {
+            labels |= label_of(key) << (8 * len);
+            keys[len % 4] = key;
+            len += 1;
+        }
+        let (mut beyond, last) = (0, label_of(keys[(len - 1) % 4]));
+        for i in len..4 {
+            labels |= last << (8 * i);
+            beyond |= 0xff << (8 * i);
+        }
+        Tile { labels, costs: self.costs(keys).map(|costs| costs | beyond), best: label_of(best) }
+    }
+
+    /// What the labels of four trials cost each of the four cells.
+    #[inline(always)]
+    fn costs(&self, keys: [u32; 4]) -> [u32; 4] {
+        let cells = keys.map(|key| self.trials.cells[(key >> 8) as usize % MOST]);
+        match self.row.settings.cost {
+            CellCost::Own { shift } => {
+                let keep = (0xffff >> shift) * 0x0001_0001;
+                let costs = |row: usize| {
+                    let [a, b, c, d] = cells;
+                    let cost = |cells: [u32; 2]| saturated_halves(cells[row] >> shift & keep);
+                    let (first, second) = (cost(a) | cost(b) << 8, cost(c) | cost(d) << 8);
+                    [first & 0xffff | second << 16, first >> 16 | second & 0xffff_0000]
+                };
+                let ([a, b], [c, d]) = (costs(0), costs(1));
+                [a, b, c, d]
+            }
+            CellCost::Shared { cell, tile } => {
+                let shared = keys.map(|key| tile * sum_of(key));
+                [(0, 0), (0, 16), (1, 0), (1, 16)].map(|(row, shift)| {
+                    let mut costs = 0;
+                    for i in 0..4 {
+                        let own = cells[i][row] >> shift & 0xffff;
+                        costs |= saturated_byte(cell * own + shared[i]) << (8 * i);
+                    }
+                    costs
+                })
+            }
+        }
+    }
+}
+
+impl Tile {
+    /// A tile that no label suits.
+    const NOWHERE: Self = Self { labels: 0, costs: [u32::MAX; 4], best: 0 };
 }
 
 impl TileSettings {
@@ -225,60 +348,4 @@ impl TileSettings {
             _ => self.far,
         }
     }
-}
-
-/// The best, those one step before and after it, and the cheapest of the others.
-#[inline(always)]
-fn keep(trials: &Trials, best: Trial, sides: [Option<Trial>; 2]) -> Tile {
-    let mut other: Option<Trial> = None;
-    for &trial in trials.as_slice() {
-        if trial.label.wrapping_sub(best.label).wrapping_add(1) > 2 && other.is_none_or(|other| trial.sum < other.sum) {
-            other = Some(trial);
-        }
-    }
-    let ([Some(before), Some(after)], best_label) = (sides, best.label) else { return keep_few(best, sides, other) };
-    let three = best_label * 0x0001_0101 + 0x0001_0000 - 1;
-    let (labels, rows) = match other {
-        Some(other) if other.label < best_label => {
-            (other.label | three << 8, [other.cells, before.cells, best.cells, after.cells])
-        }
-        Some(other) => (three | other.label << 24, [before.cells, best.cells, after.cells, other.cells]),
-        // The last label again, at a cost that nobody takes.
-        None => (three | after.label << 24, [before.cells, best.cells, after.cells, u32::MAX]),
-    };
-    Tile { labels, costs: transposed(rows), best: best_label }
-}
-
-/// The same at an end of the range.
-#[cold]
-#[inline(never)]
-fn keep_few(best: Trial, [before, after]: [Option<Trial>; 2], other: Option<Trial>) -> Tile {
-    let (below, above) = match other {
-        Some(other) if other.label < best.label => (Some(other), None),
-        other => (None, other),
-    };
-    let mut labels = 0;
-    let mut rows = [u32::MAX; 4];
-    let mut len = 0;
-    for trial in [below, before, Some(best), after, above].into_iter().flatten() {
-        labels |= trial.label << (8 * len);
-        rows[len] = trial.cells;
-        len += 1;
-    }
-    let last = labels >> (8 * (len - 1)) & 0xff;
-    for i in len..4 {
-        labels |= last << (8 * i);
-    }
-    Tile { labels, costs: transposed(rows), best: best.label }
-}
-
-/// Column `i` of the matrix of four rows of four bytes.
-#[inline(always)]
-fn transposed([a, b, c, d]: [u32; 4]) -> [u32; 4] {
-    const EVEN: u32 = 0x00ff_00ff;
-    let (even, odd) = (a & EVEN | (b & EVEN) << 8, a >> 8 & EVEN | b & !EVEN);
-    let (even2, odd2) = (c & EVEN | (d & EVEN) << 8, c >> 8 & EVEN | d & !EVEN);
-    let low = |x: u32, y: u32| x & 0xffff | y << 16;
-    let high = |x: u32, y: u32| x >> 16 | y & 0xffff_0000;
-    [low(even, even2), low(odd, odd2), high(even, even2), high(odd, odd2)]
 }

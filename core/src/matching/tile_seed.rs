@@ -1,5 +1,6 @@
 //! Seeds: for each tile the disparities of the nearest contours that both views see.
-#![expect(
+#![allow(
+    clippy::explicit_counter_loop,
     clippy::cast_possible_truncation,
     clippy::cast_possible_wrap,
     clippy::cast_sign_loss,
@@ -7,103 +8,75 @@
 )]
 
 use crate::Config;
-use crate::front_end::camera_view::{CameraView, Row};
-use crate::lanes::rows::{Window, response, responses};
+use crate::front_end::camera_view::{CameraView, FeatureRows, Row};
+use crate::lanes::rows::{Window, haar_responses};
 use crate::lanes::{ONES, greatest, max, select_ge};
 
 /// Marks a tile without a seed on that side.
 const NONE: u16 = u16::MAX;
+/// Marks a contour without a partner: a row has at most 160.
+const NOBODY: u32 = u32::MAX;
 /// Percent of the least cost by which the second least must exceed it, as `second * 5 > best * UNIQUENESS`.
 const UNIQUENESS: u32 = 8;
 
-/// A contour: column in the upper half, strength in the lower one.
+/// A contour.
 #[derive(Debug, Clone, Copy)]
-struct Contour(u32);
+struct Contour {
+    /// Column in the upper half, strength in the lower one.
+    place: u32,
+    /// Of a left contour its partner. Of a right one the least cost, and whose it is: 24 and 8 bits.
+    partner: u32,
+}
 
 impl Contour {
     const fn column(self) -> usize {
-        (self.0 >> 16) as usize
+        (self.place >> 16) as usize
     }
 
     const fn strength(self) -> u32 {
-        self.0 & 0xffff
-    }
-}
-
-/// The contours of one polarity along a row of tiles, at most one in eight columns, left to right.
-#[derive(Debug, Clone)]
-struct Contours<const WORDS: usize> {
-    points: [Contour; WORDS],
-    len: usize,
-}
-
-impl<const WORDS: usize> Contours<WORDS> {
-    const EMPTY: Self = Self { points: [Contour(0); WORDS], len: 0 };
-
-    fn as_slice(&self) -> &[Contour] {
-        &self.points[..self.len]
-    }
-
-    /// Takes the strongest response of each tile, if it reaches `threshold`.
-    ///
-    /// - `words`: words of a row, margins included.
-    fn find(&mut self, rows: &[&[u32]], words: usize, falling: bool, threshold: u32) {
-        self.len = 0;
-        for tile in 0..(words - 2).div_ceil(2) {
-            let at = 2 * tile + 1;
-            // The last tile may be half beyond the view.
-            let is_whole = at + 2 < words;
-            let [a, b] = if is_whole { responses(rows, at, falling) } else { [response(rows, at, falling), 0] };
-            let most = greatest(max(a, b));
-            let strength = most & 0xff;
-            if strength < threshold {
-                continue;
-            }
-            let first = select_ge(a, most, ONES, 0);
-            let second = select_ge(b, most, ONES, 0);
-            let offset = if first != 0 { first.trailing_zeros() / 8 } else { 4 + second.trailing_zeros() / 8 };
-            if let Some(point) = self.points.get_mut(self.len) {
-                *point = Contour((8 * tile as u32 + offset) << 16 | strength);
-                self.len += 1;
-            }
-        }
+        self.place & 0xffff
     }
 }
 
 /// The contours of both views and the seeds of one row of tiles.
 #[derive(Debug, Clone)]
 pub(crate) struct TileSeeds<const WORDS: usize> {
-    left: Contours<WORDS>,
-    right: Contours<WORDS>,
+    /// The contours of one polarity along a row of tiles, at most one in eight columns, left to right: of the left view in
+    /// the first half, of the right view in the second.
+    contours: [Contour; WORDS],
+    len: [usize; 2],
     /// Label of the last seed at or before a tile, and of the first at or after it.
     nearest: [[u16; 2]; WORDS],
 }
 
 impl<const WORDS: usize> TileSeeds<WORDS> {
     pub(crate) const fn new() -> Self {
-        Self { left: Contours::EMPTY, right: Contours::EMPTY, nearest: [[NONE; 2]; WORDS] }
+        Self { contours: [Contour { place: 0, partner: 0 }; WORDS], len: [0; 2], nearest: [[NONE; 2]; WORDS] }
     }
 
     /// Finds the contours of a row of tiles in the smoothed rows: those that rise on even rows of tiles, those that fall on odd.
     ///
+    /// - `words`: of a row, margins included.
     /// - `strong_noise`: of four rows instead of the middle two.
-    pub(crate) fn find_contours(
+    pub(crate) fn find_contours<F: FeatureRows<WORDS>>(
         &mut self,
-        views: [&CameraView<WORDS>; 2],
+        views: [&CameraView<WORDS, F>; 2],
         tile_row: u32,
         words: usize,
         threshold: u32,
         strong_noise: bool,
     ) {
         let first = i64::from(4 * tile_row);
-        let falling = tile_row % 2 == 1;
-        for (view, contours) in views.into_iter().zip([&mut self.left, &mut self.right]) {
-            let row = |y: i64| &view.smooth(first + y)[..];
-            if strong_noise {
-                contours.find(&[row(0), row(1), row(2), row(3)], words, falling, threshold);
-            } else {
-                contours.find(&[row(1), row(2)], words, falling, threshold);
-            }
+        let (left, right) = self.contours.split_at_mut(WORDS / 2);
+        for ((view, contours), len) in views.into_iter().zip([left, right]).zip(&mut self.len) {
+            let rows = [0, 1, 2, 3].map(|y| view.smooth(first + y));
+            let middle = [rows[1], rows[2]];
+            *len = match (strong_noise, tile_row % 2 == 1) {
+                (false, false) => find::<WORDS, 2, false>(middle, words, threshold, contours),
+                (false, true) => find::<WORDS, 2, true>(middle, words, threshold, contours),
+                (true, false) => find::<WORDS, 4, false>(rows, words, threshold, contours),
+                (true, true) => find::<WORDS, 4, true>(rows, words, threshold, contours),
+            };
         }
     }
 
@@ -111,65 +84,51 @@ impl<const WORDS: usize> TileSeeds<WORDS> {
     ///
     /// A left contour takes the right one of the least cost, if no second one comes near and if it is itself the cheapest for
     /// that one.
+    #[inline(never)]
     pub(crate) fn pair(&mut self, config: &Config, left: &[Row<WORDS>; 4], right: &[Row<WORDS>; 4], tiles: usize) {
-        self.nearest[..tiles].fill([NONE; 2]);
         let least = i32::from(config.min_disparity);
         let most = least + i32::from(config.num_disparities);
-        let mut choice = [(0usize, false); WORDS];
-        let mut suitor = [(u32::MAX, 0usize); WORDS];
-
         let (left_rows, right_rows) = (middle(left), middle(right));
+        let (contours, candidates) = self.contours.split_at_mut(WORDS / 2);
+        let (contours, candidates) = (&mut contours[..self.len[0]], &mut candidates[..self.len[1]]);
         let mut start = 0;
-        let candidates = self.right.as_slice();
-        for (i, contour) in self.left.as_slice().iter().enumerate() {
+        for (i, contour) in (0..).zip(contours.iter_mut()) {
+            // The contours from this column on, as places.
+            let from = |column: i32| (column.max(0) << 16).cast_unsigned();
             let column = contour.column() as i32;
-            while candidates.get(start).is_some_and(|c| column - (c.column() as i32) >= most) {
+            let (first, end) = (from(column - most + 1), from(column - least + 1));
+            while candidates.get(start).is_some_and(|c| c.place < first) {
                 start += 1;
             }
-            let (mut best, mut second, mut partner) = (u32::MAX, u32::MAX, usize::MAX);
-            let window = Window::of(left_rows, contour.column());
-            let strength = contour.strength();
-            let Some((candidates, suitors)) = candidates.get(start..).zip(suitor.get_mut(start..)) else { break };
-            for (j, (candidate, suitor)) in (start..).zip(candidates.iter().zip(suitors)) {
-                if column - (candidate.column() as i32) < least {
-                    break;
-                }
-                let other = candidate.strength();
-                if strength > 2 * other || other > 2 * strength {
-                    continue;
-                }
-                let cost = window.sad(Window::of(right_rows, candidate.column()));
-                if cost < best {
-                    (second, best, partner) = (best, cost, j);
-                } else if cost < second {
-                    second = cost;
-                }
-                if cost < suitor.0 {
-                    *suitor = (cost, i);
-                }
-            }
-            let is_unique = second == u32::MAX || 5 * second > UNIQUENESS * best;
-            choice[i] = (partner, partner != usize::MAX && is_unique);
+            contour.partner = cheapest(
+                *contour,
+                i,
+                start as u32,
+                end,
+                left_rows,
+                right_rows,
+                candidates.get_mut(start..).unwrap_or_default(),
+            );
         }
-        for (i, contour) in self.left.as_slice().iter().enumerate() {
-            let (partner, is_unique) = choice[i];
-            if !is_unique || suitor.get(partner).is_none_or(|s| s.1 != i) {
-                continue;
-            }
-            if let Some(other) = candidates.get(partner) {
+        let nearest = &mut self.nearest[..tiles];
+        nearest.fill([NONE; 2]);
+        for (i, contour) in (0..).zip(contours.iter()) {
+            if let Some(other) = candidates.get(contour.partner as usize)
+                && other.partner & 0xff == i
+            {
                 let label = (contour.column() as i32 - other.column() as i32 - least) as u16;
-                if let Some(nearest) = self.nearest.get_mut(contour.column() / 8) {
+                if let Some(nearest) = nearest.get_mut(contour.column() / 8) {
                     *nearest = [label; 2];
                 }
             }
         }
         let mut last = NONE;
-        for [from_left, _] in &mut self.nearest[..tiles] {
+        for [from_left, _] in nearest.iter_mut() {
             last = if *from_left == NONE { last } else { *from_left };
             *from_left = last;
         }
         let mut next = NONE;
-        for [_, from_right] in self.nearest[..tiles].iter_mut().rev() {
+        for [_, from_right] in nearest.iter_mut().rev() {
             next = if *from_right == NONE { next } else { *from_right };
             *from_right = next;
         }
@@ -180,6 +139,74 @@ impl<const WORDS: usize> TileSeeds<WORDS> {
     pub(crate) fn nearest(&self, tile: usize) -> [u16; 2] {
         self.nearest[tile]
     }
+}
+
+/// Takes the strongest response of each tile, if it reaches `threshold`; how many there are.
+#[inline(never)]
+fn find<const WORDS: usize, const ROWS: usize, const FALLING: bool>(
+    rows: [&Row<WORDS>; ROWS],
+    words: usize,
+    threshold: u32,
+    contours: &mut [Contour],
+) -> usize {
+    let mut len = 0;
+    let mut column = 0;
+    haar_responses::<WORDS, ROWS, FALLING>(rows, words, |[a, b]| {
+        let most = greatest(max(a, b));
+        let strength = most & 0xff;
+        if strength >= threshold {
+            let first = select_ge(a, most, ONES, 0);
+            let second = select_ge(b, most, ONES, 0);
+            let offset = if first != 0 { first.trailing_zeros() / 8 } else { 4 + second.trailing_zeros() / 8 };
+            if let Some(contour) = contours.get_mut(len) {
+                *contour = Contour { place: (column + offset) << 16 | strength, partner: u32::MAX };
+                len += 1;
+            }
+        }
+        column += 8;
+    });
+    len
+}
+
+/// The place of the cheapest partner of a left contour, [`NOBODY`] if there is none or a second one comes near; the
+/// candidates learn of it.
+///
+/// - `number`: of the contour; `start`: of the first candidate; `end`: the first place that is none.
+#[inline(always)]
+fn cheapest<const WORDS: usize>(
+    contour: Contour,
+    number: u32,
+    start: u32,
+    end: u32,
+    left: [&Row<WORDS>; 2],
+    right: [&Row<WORDS>; 2],
+    candidates: &mut [Contour],
+) -> u32 {
+    let (mut best, mut second) = (u32::MAX, u32::MAX);
+    let window = Window::of(left, contour.column());
+    // Strengths within a ratio of 2.
+    let strength = contour.strength();
+    let weakest = strength.div_ceil(2);
+    let span = 2 * strength - weakest;
+    let mut place = start;
+    for candidate in candidates {
+        if candidate.place >= end {
+            break;
+        }
+        if candidate.strength().wrapping_sub(weakest) <= span {
+            let cost = window.sad(Window::of(right, candidate.column())) << 8;
+            candidate.partner = candidate.partner.min(cost | number);
+            let key = cost | place;
+            if key < best {
+                (second, best) = (best, key);
+            } else if key < second {
+                second = key;
+            }
+        }
+        place += 1;
+    }
+    let is_unique = second == u32::MAX || 5 * (second >> 8) > UNIQUENESS * (best >> 8);
+    if best != u32::MAX && is_unique { best & 0xff } else { NOBODY }
 }
 
 /// The two rows in the middle of a tile.

@@ -1,5 +1,6 @@
 //! The method `full`: the paper's contours and shortest-support search, and neighbours that agree.
 
+use crate::method::deciding::Agreeing;
 use crate::method::tile_pipeline::Tiled;
 use crate::stage::Untimed;
 
@@ -23,4 +24,4 @@ use crate::stage::Untimed;
 /// assert_eq!(rows, 240);
 /// # Ok::<(), haarline::ConfigError>(())
 /// ```
-pub type Full<const BLOCKS: usize, C = Untimed> = Tiled<true, BLOCKS, C>;
+pub type Full<const BLOCKS: usize, C = Untimed> = Tiled<Agreeing, BLOCKS, C>;

@@ -1,5 +1,6 @@
 //! The method `lite`: [`full`](crate::full) without agreement.
 
+use crate::method::deciding::Lonely;
 use crate::method::tile_pipeline::Tiled;
 use crate::stage::Untimed;
 
@@ -21,4 +22,4 @@ use crate::stage::Untimed;
 /// assert_eq!(rows, 240);
 /// # Ok::<(), haarline::ConfigError>(())
 /// ```
-pub type Lite<const BLOCKS: usize, C = Untimed> = Tiled<false, BLOCKS, C>;
+pub type Lite<const BLOCKS: usize, C = Untimed> = Tiled<Lonely, BLOCKS, C>;

@@ -4,6 +4,7 @@
 
 mod block_row;
 pub mod contour_stereo;
+pub(crate) mod deciding;
 pub mod envelope;
 pub mod full;
 pub mod lite;

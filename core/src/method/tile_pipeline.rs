@@ -1,16 +1,21 @@
 //! The pipeline of `full` and `lite`: rows in, tiles matched row by row, rows out, the work spread over the rows.
+#![allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_possible_wrap,
+    clippy::cast_sign_loss,
+    reason = "rows and tiles are far below 2^16"
+)]
 
 use crate::answer::answer_row::{AnswerRow, Sources};
-use crate::answer::cell::{label, winner};
-use crate::answer::cell_row::CellRow;
 use crate::front_end::camera_view::{CameraView, TILE_ROWS, words_for};
 use crate::front_end::exposure::{Exposure, Gain};
 use crate::front_end::noise::{Noise, NoiseHistogram, SmoothingLevel};
-use crate::lanes::add;
 use crate::lanes::rows::Clips;
-use crate::matching::agreement::{Penalties, extend, normalised};
-use crate::matching::tile::{TileRow, TileSettings, Trials};
+use crate::matching::agreement::Penalties;
+use crate::matching::alone::Alone;
+use crate::matching::tile::{CellCost, TileRow, TileSettings, Trials};
 use crate::matching::tile_seed::TileSeeds;
+use crate::method::deciding::{CellRows, Matching, MaybePaths};
 use crate::method::parts::{Parts, Seeds};
 use crate::stage::{Stage, StageClock, Untimed};
 use crate::{Config, ConfigError, Disparity, DisparityRow, RowError, ScanlinePair, StereoMethod, blocks_for};
@@ -21,8 +26,6 @@ const SMOOTH_LAG: u32 = 2;
 const NOBODY: u32 = u32::MAX / 2;
 /// Rows of a cell.
 const CELL_HEIGHT: u32 = 2;
-/// Cell rows that are kept: three for an answer and those under way.
-const CELL_ROWS: u32 = 5;
 
 /// What depends on the noise.
 #[derive(Clone, Copy)]
@@ -34,31 +37,21 @@ struct Settings {
     penalties: Penalties,
 }
 
-/// A stereo method by tiles; with `AGREEMENT` neighbouring cells agree on their labels, without it each decides alone.
+/// A stereo method by tiles, whose cells come to their labels by `M`.
 ///
 /// `BLOCKS` is the capacity: [`blocks_for`] the widest row. Of the same rows every capacity makes the same answer.
 #[derive(Debug, Clone)]
-pub struct Tiled<const AGREEMENT: bool, const BLOCKS: usize, C = Untimed> {
+pub struct Tiled<M: Matching, const BLOCKS: usize, C = Untimed> {
     config: Config,
     parts: Parts,
-    left: CameraView<BLOCKS>,
-    right: CameraView<BLOCKS>,
+    left: CameraView<BLOCKS, M::Features<BLOCKS>>,
+    right: CameraView<BLOCKS, M::Features<BLOCKS>>,
     exposure: Exposure,
     histograms: [NoiseHistogram; 2],
     noise: Noise,
     seeds: TileSeeds<BLOCKS>,
-    /// Labels of the tiles under way, and of those above.
-    labels: [u32; BLOCKS],
-    labels_above: [u32; BLOCKS],
-    /// Costs of the cells under way, upper and lower.
-    costs: [[u32; BLOCKS]; 2],
-    /// Sums of the paths from the left.
-    from_left: [[u32; BLOCKS]; 2],
-    /// Of the lower cells above: sums of the path from the top, of all paths so far, and their costs.
-    from_top: [u32; BLOCKS],
-    pending: [u32; BLOCKS],
-    costs_above: [u32; BLOCKS],
-    cells: [CellRow<BLOCKS>; CELL_ROWS as usize],
+    paths: M::Paths<BLOCKS>,
+    cells: M::Cells<BLOCKS>,
     answer: AnswerRow<BLOCKS>,
     disparity: [[Disparity; 4]; BLOCKS],
     /// Rows of this frame pushed or missed so far.
@@ -70,7 +63,7 @@ pub struct Tiled<const AGREEMENT: bool, const BLOCKS: usize, C = Untimed> {
     clock: C,
 }
 
-impl<const AGREEMENT: bool, const BLOCKS: usize> Tiled<AGREEMENT, BLOCKS> {
+impl<M: Matching, const BLOCKS: usize> Tiled<M, BLOCKS> {
     /// Builds the method for rows of `config.width` px.
     ///
     /// # Errors
@@ -88,12 +81,12 @@ impl<const AGREEMENT: bool, const BLOCKS: usize> Tiled<AGREEMENT, BLOCKS> {
     }
 }
 
-impl<const AGREEMENT: bool, const BLOCKS: usize, C> Tiled<AGREEMENT, BLOCKS, C> {
+impl<M: Matching, const BLOCKS: usize, C> Tiled<M, BLOCKS, C> {
     /// Rows that come in after a row before it goes out, at most: what is agreed with the row of cells below waits for it.
-    pub const LATENCY: u32 = if AGREEMENT { 13 } else { 11 };
+    pub const LATENCY: u32 = if M::AGREEMENT { 13 } else { 10 };
 }
 
-impl<const AGREEMENT: bool, const BLOCKS: usize, C: StageClock> Tiled<AGREEMENT, BLOCKS, C> {
+impl<M: Matching, const BLOCKS: usize, C: StageClock> Tiled<M, BLOCKS, C> {
     /// Builds the method for rows of `config.width` px, with a clock that is told of its stages.
     ///
     /// # Errors
@@ -117,14 +110,8 @@ impl<const AGREEMENT: bool, const BLOCKS: usize, C: StageClock> Tiled<AGREEMENT,
             histograms: [NoiseHistogram::new(), NoiseHistogram::new()],
             noise: Noise::default(),
             seeds: TileSeeds::new(),
-            labels: [0; BLOCKS],
-            labels_above: [0; BLOCKS],
-            costs: [[0; BLOCKS]; 2],
-            from_left: [[0; BLOCKS]; 2],
-            from_top: [0; BLOCKS],
-            pending: [0; BLOCKS],
-            costs_above: [0; BLOCKS],
-            cells: [const { CellRow::EMPTY }; CELL_ROWS as usize],
+            paths: M::Paths::EMPTY,
+            cells: M::Cells::EMPTY,
             answer: AnswerRow::EMPTY,
             disparity: [[Disparity::UNKNOWN; 4]; BLOCKS],
             rows: 0,
@@ -137,13 +124,13 @@ impl<const AGREEMENT: bool, const BLOCKS: usize, C: StageClock> Tiled<AGREEMENT,
 
     fn settings(&self) -> Settings {
         let extremum = self.parts.extremum;
-        let (cell, tile, penalties) = match (AGREEMENT, self.noise.level >= SmoothingLevel::Medium) {
-            (true, false) => (128, 0, Penalties::new(4, 24)),
-            (true, true) => (64, 0, Penalties::new(7, 34)),
-            (false, false) => (88, 10, Penalties::new(1, 3)),
-            (false, true) => (160, 24, Penalties::new(3, 16)),
+        let (cost, penalties) = match (M::AGREEMENT, self.noise.level >= SmoothingLevel::Medium) {
+            (true, false) => (CellCost::Own { shift: 1 }, Penalties::new(4, 24)),
+            (true, true) => (CellCost::Own { shift: 2 }, Penalties::new(7, 34)),
+            (false, false) => (CellCost::Shared { cell: 88, tile: 10 }, Penalties::new(1, 3)),
+            (false, true) => (CellCost::Shared { cell: 160, tile: 24 }, Penalties::new(3, 16)),
         };
-        let contour = if AGREEMENT { 4 } else { 5 };
+        let contour = if M::AGREEMENT { 4 } else { 5 };
         let (clips, contour_threshold, near, far) = match self.noise.level {
             SmoothingLevel::Off | SmoothingLevel::Light => (Clips::new(15, 4), 2, 4, 24),
             SmoothingLevel::Medium => (Clips::new(31, 0), contour, 6, 24),
@@ -153,7 +140,7 @@ impl<const AGREEMENT: bool, const BLOCKS: usize, C: StageClock> Tiled<AGREEMENT,
             clips,
             contour_threshold,
             strong_noise: self.noise.level == SmoothingLevel::Strong,
-            tile: TileSettings { cell, tile, near, far, extremum },
+            tile: TileSettings { cost, near, far, extremum },
             penalties,
         }
     }
@@ -177,34 +164,44 @@ impl<const AGREEMENT: bool, const BLOCKS: usize, C: StageClock> Tiled<AGREEMENT,
             // The work on a row of tiles is spread over four rows of the camera.
             let done = self.left.features_len();
             let tile_row = (done / TILE_ROWS).wrapping_sub(1);
+            let is_searched = done > TILE_ROWS;
             match done % TILE_ROWS {
-                0 => self.pair_contours(tile_row),
-                1 if done > TILE_ROWS => {
-                    if tile_row > 0 {
+                0 => {
+                    if !M::AGREEMENT && tile_row > 0 {
+                        self.answer(tile_row - 1);
+                    }
+                    self.pair_contours(tile_row);
+                }
+                1 if is_searched => {
+                    if M::AGREEMENT && tile_row > 0 {
                         self.answer(tile_row - 1);
                     }
                     self.search(tile_row, settings);
                 }
-                2 if done > TILE_ROWS => self.agree(tile_row, settings),
+                2 if is_searched && M::AGREEMENT => self.agree(tile_row, settings),
+                2 if is_searched => {
+                    self.smooth(tile_row);
+                    self.answer(tile_row);
+                }
                 3 => {
-                    if done > TILE_ROWS {
+                    if is_searched && M::AGREEMENT {
                         self.smooth(tile_row);
                         self.answer(tile_row);
                     }
-                    self.clock.enter(Stage::Contours);
-                    let views = [&self.left, &self.right];
-                    self.seeds.find_contours(
-                        views,
-                        done / TILE_ROWS,
-                        words_for(width),
-                        settings.contour_threshold,
-                        settings.strong_noise,
-                    );
+                    self.find_contours(done / TILE_ROWS, settings);
                 }
                 _ => {}
             }
         }
         self.deliver(sink);
+    }
+
+    #[inline(never)]
+    fn find_contours(&mut self, tile_row: u32, settings: Settings) {
+        self.clock.enter(Stage::Contours);
+        let words = words_for(usize::from(self.config.width));
+        let views = [&self.left, &self.right];
+        self.seeds.find_contours(views, tile_row, words, settings.contour_threshold, settings.strong_noise);
     }
 
     fn pair_contours(&mut self, tile_row: u32) {
@@ -213,206 +210,89 @@ impl<const AGREEMENT: bool, const BLOCKS: usize, C: StageClock> Tiled<AGREEMENT,
         self.seeds.pair(&self.config, self.left.tiles(tile_row), self.right.tiles(tile_row), tiles);
     }
 
-    /// Labels of the tiles, and the paths from the left.
+    /// Labels of the tiles, and the paths from the left; without agreement the cells, too.
+    #[inline(never)]
     fn search(&mut self, tile_row: u32, settings: Settings) {
         self.clock.enter(Stage::Blocks);
         let tiles = self.tiles();
         let row = TileRow::new(&self.config, self.left.tiles(tile_row), self.right.tiles(tile_row), settings.tile);
-        let above = (tile_row > 0).then(|| &self.cells[cell_slot(2 * tile_row - 1)].label);
+        let mut paths = self.paths.paths().filter(|_| self.parts.agreement);
+        let slots = cell_slots::<BLOCKS, M::Cells<BLOCKS>>(tile_row);
+        let Ok([above, upper, lower]) = self.cells.rows().get_disjoint_mut(slots) else { return };
+        // The cells above, a pair a tile.
+        let above = match tile_row {
+            0 => &[],
+            _ => above.label[..2 * tiles].as_chunks::<2>().0,
+        };
+        let pair = |tile: usize| above.get(tile).map_or([NOBODY; 2], |pair| pair.map(u32::from));
+        let mut rows = [upper.tiles(tiles), lower.tiles(tiles)];
+        let (mut before, mut here) = (NOBODY, pair(0));
         let mut left = NOBODY;
-        let mut hypotheses = [0; 8];
         let mut trials = Trials::new();
-        for (tile, number) in (0..tiles).zip(0u32..) {
-            let mut len = 0;
-            let mut propose = |label: u32| {
-                hypotheses[len] = label;
-                len += 1;
-            };
-            let mut up = NOBODY;
-            if let Some(above) = above {
-                let at = |cell: usize| u32::from(above[cell]);
-                up = at(2 * tile);
-                propose(at(2 * tile));
-                propose(at(2 * tile + 1));
-                if tile > 0 {
-                    propose(at(2 * tile - 1));
-                }
-                if tile + 1 < tiles {
-                    propose(at(2 * tile + 2));
-                }
-            }
-            if left != NOBODY {
-                propose(left);
-            }
-            match self.parts.seeds {
-                Seeds::Contours => self.seeds.nearest(tile).map(|label| propose(u32::from(label))),
+        let mut alone = Alone::new();
+        for tile in 0..tiles {
+            let next = pair(tile + 1);
+            let ([a, b], after) = (here, next[0]);
+            let seeds = match self.parts.seeds {
+                Seeds::Contours => self.seeds.nearest(tile).map(u32::from),
                 Seeds::Random(seed) => [0, 1].map(|i| {
-                    let number = (tile_row * 1024 + number) * 2 + i;
-                    propose(scramble(seed ^ scramble(number)) % u32::from(self.config.num_disparities));
+                    let number = (tile_row * 1024 + tile as u32) * 2 + i;
+                    scramble(seed ^ scramble(number)) % u32::from(self.config.num_disparities)
                 }),
                 Seeds::Grid => [0, 1].map(|i| {
-                    let step = (tile_row * 5 + number * 3) % 8 + 8 * i;
-                    propose(step * u32::from(self.config.num_disparities) / 16);
+                    let step = (tile_row * 5 + tile as u32 * 3) % 8 + 8 * i;
+                    step * u32::from(self.config.num_disparities) / 16
                 }),
-                Seeds::None => [(); 2],
+                Seeds::None => [NOBODY; 2],
             };
-            let found = row.search(&mut trials, tile, &hypotheses[..len], left, up);
-            self.labels[tile] = found.labels;
-            let [a, b, c, d] = found.costs;
-            (self.costs[0][2 * tile], self.costs[0][2 * tile + 1]) = (a, b);
-            (self.costs[1][2 * tile], self.costs[1][2 * tile + 1]) = (c, d);
+            let hypotheses = [a, b, before, after, left, seeds[0], seeds[1]];
+            let found = row.search(&mut trials, tile, hypotheses, left, a);
             left = found.best;
-        }
-        if AGREEMENT && self.parts.agreement {
-            self.pass_rightwards(tiles, settings.penalties);
-        } else {
-            self.decide_alone(tile_row, tiles, settings.penalties);
-        }
-    }
-
-    /// The paths from the left.
-    fn pass_rightwards(&mut self, tiles: usize, penalties: Penalties) {
-        let mut sums = [0; 2];
-        let mut before = self.labels[0];
-        for tile in 0..tiles {
-            let labels = self.labels[tile];
-            let steps = penalties.steps(labels);
-            for (row, sum) in sums.iter_mut().enumerate() {
-                let message = if before == labels {
-                    penalties.same_labels(*sum, steps)
-                } else {
-                    penalties.other_labels(*sum, before, labels)
-                };
-                let first = extend(self.costs[row][2 * tile], message);
-                let second = extend(self.costs[row][2 * tile + 1], penalties.same_labels(first, steps));
-                (self.from_left[row][2 * tile], self.from_left[row][2 * tile + 1]) = (first, second);
-                *sum = second;
+            if let Some(paths) = paths.as_deref_mut() {
+                paths.set(tile, found);
+            } else {
+                let cells = alone.decide(settings.penalties, &found, [a, b]);
+                for (row, [first, second]) in rows.iter_mut().zip(cells) {
+                    row.value[tile] = [first.value, second.value];
+                    row.label[tile] = [first.label, second.label];
+                    row.merit[tile] = [first.merit, second.merit];
+                }
             }
-            before = labels;
+            (before, here) = (b, next);
+        }
+        if let Some(paths) = paths {
+            paths.pass_rightwards(tiles, settings.penalties);
         }
     }
 
-    /// The other paths: from the right, from the top and, one cell row late, from below. Decides the upper cells and those
-    /// above them; the lower ones for the time being.
+    /// The agreement of the cells.
     fn agree(&mut self, tile_row: u32, settings: Settings) {
-        if !AGREEMENT || !self.parts.agreement {
-            return;
-        }
-        self.clock.enter(Stage::Agreement);
-        let penalties = settings.penalties;
         let tiles = self.tiles();
-        let mut right = [0; 2];
-        let mut after = self.labels[tiles - 1];
-        let slots = [cell_slot(2 * tile_row + CELL_ROWS - 1), cell_slot(2 * tile_row), cell_slot(2 * tile_row + 1)];
-        let Ok([row_above, upper_row, lower_row]) = self.cells.get_disjoint_mut(slots) else { return };
-        let mut cells_above = row_above.cells(tiles).rev();
-        let mut upper_cells = upper_row.cells(tiles).rev();
-        let mut lower_labels = lower_row.label[..2 * tiles].iter_mut().rev();
-        let costs = [&self.costs[0], &self.costs[1]].map(|row| &row[..2 * tiles]);
-        let lefts = [&self.from_left[0], &self.from_left[1]].map(|row| &row[..2 * tiles]);
-        let state = self.from_top[..2 * tiles]
-            .iter_mut()
-            .zip(&mut self.pending[..2 * tiles])
-            .zip(&mut self.costs_above[..2 * tiles]);
-        let state = state.zip(lefts[0].iter().zip(lefts[1])).zip(costs[0].iter().zip(costs[1]));
-        let mut state = state.rev();
-        for (&labels, above_labels) in self.labels[..tiles].iter().zip(&mut self.labels_above[..tiles]).rev() {
-            let above = *above_labels;
-            let steps = penalties.steps(labels);
-            let steps_above = penalties.steps(above);
-            let is_same = above == labels;
-            for half in 0..2 {
-                let Some(((((from_top, pending), costs_above), lefts), costs)) = state.next() else { break };
-                let (lefts, costs) = ([*lefts.0, *lefts.1], [*costs.0, *costs.1]);
-                let mut along = [0; 2];
-                for row in 0..2 {
-                    let message = if half == 1 || after == labels {
-                        penalties.same_labels(right[row], steps)
-                    } else {
-                        penalties.other_labels(right[row], after, labels)
-                    };
-                    right[row] = extend(costs[row], message);
-                    along[row] = add(lefts[row], right[row]);
-                }
-                let message = match tile_row {
-                    0 => 0,
-                    _ if is_same => penalties.same_labels(*from_top, steps),
-                    _ => penalties.other_labels(*from_top, above, labels),
-                };
-                let top = extend(costs[0], message);
-                let lower_top = extend(costs[1], penalties.same_labels(top, steps));
-                if let Some(cell) = cells_above.next()
-                    && tile_row > 0
-                {
-                    let upper = normalised(along[0]);
-                    let message = if is_same {
-                        penalties.same_labels(upper, steps)
-                    } else {
-                        penalties.other_labels(upper, labels, above)
-                    };
-                    cell.set(winner(extend(*pending, message), above, *costs_above, steps_above.both()));
-                }
-                let lower = penalties.same_labels(normalised(along[1]), steps);
-                let sums = normalised(add(along[0], top));
-                if let Some(cell) = upper_cells.next() {
-                    cell.set(winner(extend(sums, lower), labels, costs[0], steps.both()));
-                }
-                let sums = normalised(add(along[1], lower_top));
-                if let Some(lower_label) = lower_labels.next() {
-                    *lower_label = label(sums, labels);
-                }
-                *from_top = lower_top;
-                *pending = sums;
-                *costs_above = costs[1];
-            }
-            *above_labels = labels;
-            after = labels;
-        }
-    }
-
-    /// Without agreement: each cell takes its least cost, and pays a little for a label that its neighbours have not.
-    fn decide_alone(&mut self, tile_row: u32, tiles: usize, penalties: Penalties) {
-        for (row, costs) in (0..).zip(&self.costs) {
-            let cell_row = 2 * tile_row + row;
-            let slots = [cell_slot(cell_row + CELL_ROWS - 1), cell_slot(cell_row)];
-            let Ok([above, out]) = self.cells.get_disjoint_mut(slots) else { return };
-            let mut left = None;
-            let above = above.label[..2 * tiles].as_chunks::<2>().0;
-            let costs = costs[..2 * tiles].as_chunks::<2>().0;
-            let mut cells = out.cells(tiles);
-            for ((&labels, above), costs) in self.labels[..tiles].iter().zip(above).zip(costs) {
-                let beside = penalties.steps(labels).both();
-                for (&above, &costs) in above.iter().zip(costs) {
-                    let mut sums = costs;
-                    if let Some(left) = left {
-                        sums = add(sums, penalties.of(labels, left));
-                    }
-                    if cell_row > 0 {
-                        sums = add(sums, penalties.of(labels, u32::from(above)));
-                    }
-                    let found = winner(normalised(sums), labels, costs, beside);
-                    left = Some(u32::from(found.label));
-                    if let Some(cell) = cells.next() {
-                        cell.set(found);
-                    }
-                }
-            }
+        if let Some(paths) = self.paths.paths().filter(|_| self.parts.agreement) {
+            self.clock.enter(Stage::Agreement);
+            let slots = cell_slots::<BLOCKS, M::Cells<BLOCKS>>(tile_row);
+            let Ok(rows) = self.cells.rows().get_disjoint_mut(slots) else { return };
+            paths.agree(tiles, settings.penalties, tile_row == 0, rows);
         }
     }
 
     /// Smooths the cell rows that the row of tiles made final.
+    #[inline(never)]
     fn smooth(&mut self, tile_row: u32) {
         let cells = usize::from(self.config.width).div_ceil(4);
         let last = self.last_final(tile_row);
         for row in last.saturating_sub(1)..=last {
-            self.cells[cell_slot(row)].smooth(cells);
+            let slot = row % M::Cells::<BLOCKS>::LEN;
+            if let Some(row) = self.cells.rows().get_mut(slot as usize) {
+                row.smooth(cells);
+            }
         }
     }
 
     /// The last cell row that is final once this row of tiles is decided.
     fn last_final(&self, tile_row: u32) -> u32 {
         // The row below has its say in the agreement.
-        2 * tile_row + u32::from(!(AGREEMENT && self.parts.agreement))
+        2 * tile_row + u32::from(!(M::AGREEMENT && self.parts.agreement))
     }
 
     /// Answers the next cell row, if the row below it is final.
@@ -426,7 +306,7 @@ impl<const AGREEMENT: bool, const BLOCKS: usize, C: StageClock> Tiled<AGREEMENT,
         let inside = 2 * (row % 2) as usize;
         let (left, right) = (self.left.tiles(tile_row), self.right.tiles(tile_row));
         let sources = Sources {
-            rows: [row.saturating_sub(1), row, row + 1].map(|row| &self.cells[cell_slot(row)]),
+            rows: [row.saturating_sub(1), row, row + 1].map(|row| self.cells.row(row)),
             left: [&left[inside], &left[inside + 1]],
             right: [&right[inside], &right[inside + 1]],
         };
@@ -472,7 +352,7 @@ impl<const AGREEMENT: bool, const BLOCKS: usize, C: StageClock> Tiled<AGREEMENT,
         if self.rows >= 2 && is_whole {
             let y = i64::from(self.rows) - 1;
             for (view, histogram) in [&self.left, &self.right].into_iter().zip(&mut self.histograms) {
-                let rows = [y - 1, y, y + 1].map(|y| &view.raw(y)[..]);
+                let rows = [y - 1, y, y + 1].map(|y| view.raw(y));
                 histogram.sample(rows, sampling.first, sampling.stride, sampling.weight, width);
             }
         }
@@ -512,11 +392,13 @@ const fn scramble(number: u32) -> u32 {
     mixed ^ mixed >> 16
 }
 
-fn cell_slot(row: u32) -> usize {
-    (row % CELL_ROWS) as usize
+/// Where the cell row above a row of tiles is, and its own two.
+fn cell_slots<const WORDS: usize, R: CellRows<WORDS>>(tile_row: u32) -> [usize; 3] {
+    let row = 2 * tile_row;
+    [row + R::LEN - 1, row, row + 1].map(|row| (row % R::LEN) as usize)
 }
 
-impl<const AGREEMENT: bool, const BLOCKS: usize, C: StageClock> StereoMethod for Tiled<AGREEMENT, BLOCKS, C> {
+impl<M: Matching, const BLOCKS: usize, C: StageClock> StereoMethod for Tiled<M, BLOCKS, C> {
     fn config(&self) -> &Config {
         &self.config
     }

@@ -1,0 +1,63 @@
+//! Cells that decide alone: each takes its least cost, and pays a little for a label that its neighbours have not.
+#![allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_possible_wrap,
+    clippy::cast_sign_loss,
+    reason = "clamped before"
+)]
+
+use crate::answer::cell::{Cell, winner};
+use crate::lanes::add;
+use crate::matching::agreement::{Penalties, normalised};
+use crate::matching::tile::Tile;
+
+/// What the cells of the tile before took, upper and lower; more than 255 at the left edge.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Alone {
+    left: [u32; 2],
+}
+
+impl Alone {
+    pub(crate) const fn new() -> Self {
+        Self { left: [u32::MAX; 2] }
+    }
+
+    /// Decides the cells of a tile, the upper and the lower ones.
+    ///
+    /// - `above`: what the cells above took; more than 255 where there is none.
+    #[inline(always)]
+    pub(crate) fn decide(&mut self, penalties: Penalties, found: &Tile, above: [u32; 2]) -> [[Cell; 2]; 2] {
+        let labels = found.labels;
+        let beside = penalties.steps(labels).both();
+        let mut last = Price { label: u32::MAX, price: 0 };
+        let [a, b, c, d] = found.costs;
+        let mut decide = |costs, left, above| {
+            let sums = add(add(costs, last.of(penalties, labels, left)), last.of(penalties, labels, above));
+            winner(normalised(sums), labels, costs, beside)
+        };
+        let a = decide(a, self.left[0], above[0]);
+        let b = decide(b, u32::from(a.label), above[1]);
+        let c = decide(c, self.left[1], u32::from(a.label));
+        let d = decide(d, u32::from(c.label), u32::from(b.label));
+        self.left = [u32::from(b.label), u32::from(d.label)];
+        [[a, b], [c, d]]
+    }
+}
+
+/// What the labels of a tile paid last: mostly the next cell asks the same.
+struct Price {
+    /// For not being this label.
+    label: u32,
+    price: u32,
+}
+
+impl Price {
+    #[inline(always)]
+    fn of(&mut self, penalties: Penalties, labels: u32, other: u32) -> u32 {
+        if other != self.label {
+            let price = if other > 255 { 0 } else { penalties.of(labels, other) };
+            *self = Self { label: other, price };
+        }
+        self.price
+    }
+}
