@@ -123,7 +123,7 @@ pub struct Repeated {
     pub seeds: u64,
     /// The mean over seeds of the mean over scenes.
     pub mean: Score,
-    /// The standard deviation over seeds of each of [`SPREAD`].
+    /// The standard deviation over seeds of each figure told with a spread.
     pub deviation: BTreeMap<&'static str, f64>,
 }
 
