@@ -185,6 +185,10 @@ def rover(rig):
         posts.append(by_bearing.pop(0))
         if not 140 <= posts[-1] <= 160:
             raise Failure(f"the post at 150 cm reads {posts[-1]}")
+        # The post may reach into the sectors beside its own.
+        beside = [by_bearing.pop(bearing) for bearing in (-5, 5)]
+        if not all(cm == UNKNOWN or cm > 400 or 140 <= cm <= 160 for cm in beside):
+            raise Failure(f"beside the post at 150 cm: {beside}")
         wrong = {bearing: cm for bearing, cm in by_bearing.items() if cm != UNKNOWN and cm < 400}
         expect("obstacles where none is", wrong, {})
     return f"the post at 150 cm reads {posts[-1]}, nothing nearer than 4 m elsewhere"

@@ -67,6 +67,9 @@ def check(messages, table):
         assert list(message.distances) == told + [UNKNOWN] * (72 - len(told)), index
         by_bearing = dict(zip(bearings, message.distances))
         assert 140 <= by_bearing.pop(0) <= 160, f"frame {index}: the post at 150 cm: {message.distances[8]}"
+        # The post may reach into the sectors beside its own.
+        beside = [by_bearing.pop(bearing) for bearing in (-5, 5)]
+        assert all(cm == UNKNOWN or cm > 400 or 140 <= cm <= 160 for cm in beside), f"frame {index}: {beside}"
         assert all(cm == UNKNOWN or cm > 400 for cm in by_bearing.values()), f"frame {index}: {by_bearing}"
     return [message.distances[bearings.index(0)] for message in found]
 

@@ -15,6 +15,24 @@ from pathlib import Path
 
 # What a user has of his own: made of what the demo rendered.
 OWN = {"recording/left/0001.png": "left.png", "recording/right/0001.png": "right.png"}
+# And a calibration of these cameras, as OpenCV writes one.
+CALIBRATION = """%YAML:1.0
+---
+image_width: 320
+image_height: 240
+K1: !!opencv-matrix
+   { rows: 3, cols: 3, dt: d, data: [ 280., 0., 159.5, 0., 280., 119.5, 0., 0., 1. ] }
+D1: !!opencv-matrix
+   { rows: 1, cols: 5, dt: d, data: [ 0., 0., 0., 0., 0. ] }
+K2: !!opencv-matrix
+   { rows: 3, cols: 3, dt: d, data: [ 280., 0., 159.5, 0., 280., 119.5, 0., 0., 1. ] }
+D2: !!opencv-matrix
+   { rows: 1, cols: 5, dt: d, data: [ 0., 0., 0., 0., 0. ] }
+R: !!opencv-matrix
+   { rows: 3, cols: 3, dt: d, data: [ 1., 0., 0., 0., 1., 0., 0., 0., 1. ] }
+T: !!opencv-matrix
+   { rows: 3, cols: 1, dt: d, data: [ -60., 0., 0. ] }
+"""
 
 
 def commands(readme):
@@ -36,6 +54,7 @@ def lay_out(folder, rendered):
     for name, view in OWN.items():
         (folder / name).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(rendered / view, folder / name)
+    (folder / "calibration.yml").write_text(CALIBRATION)
 
 
 repository = Path(sys.argv[1] if len(sys.argv) > 1 else Path(__file__).parents[1]).resolve()

@@ -9,11 +9,13 @@
 
 use crate::answer::cell::HALF;
 use crate::answer::cell_row::{CellRow, blend, blend_pair, is_same_surface, word};
+use crate::answer::evidence::Worth;
 use crate::answer::median::medians;
 use crate::front_end::camera_view::Row;
 use crate::lanes::rows::{least_of_three, load, update, window_sad};
 use crate::lanes::{
-    ONES, add, add_halves, difference, max, select_ge, signed_halved_sum_halves, splat, splat_half, sub_halves,
+    ONES, add, add_halves, difference, max, select_ge, select_ge_halves, signed_halved_sum_halves, splat, splat_half,
+    sub_halves,
 };
 use crate::{Config, Disparity};
 
@@ -40,6 +42,9 @@ pub(crate) struct Sources<'a, const WORDS: usize> {
     /// The two feature rows of the cells, of either view.
     pub(crate) left: [&'a Row<WORDS>; 2],
     pub(crate) right: [&'a Row<WORDS>; 2],
+    /// What the cells are worth, and the merit that an answer must exceed by 64 to be sure.
+    pub(crate) worth: Worth<WORDS>,
+    pub(crate) sure: u32,
 }
 
 /// The label of either half of a cell, two columns each.
@@ -52,17 +57,18 @@ impl<const WORDS: usize> AnswerRow<WORDS> {
     pub(crate) fn answer(&mut self, config: &Config, sources: &Sources<'_, WORDS>) {
         let cells = usize::from(config.width).div_ceil(4);
         let (mut median, mut surfaces) = ([0; WORDS], [[0; 2]; WORDS]);
-        self.survey(sources.rows, cells, &mut median, &mut surfaces);
+        self.survey(sources, cells, &mut median, &mut surfaces);
         self.lay_planes(sources.rows, &median, cells);
         self.choose_surfaces(config, sources, &median[..cells], &mut surfaces);
         self.hide(config, &surfaces[..cells]);
+        self.doubt_blank(cells, &median, &sources.worth);
     }
 
     /// Medians and confidence of the cells; each is of one surface for the time being.
     #[inline(never)]
     fn survey(
         &mut self,
-        rows: [&CellRow<WORDS>; 3],
+        sources: &Sources<'_, WORDS>,
         cells: usize,
         median: &mut [u8; WORDS],
         surfaces: &mut Surfaces<WORDS>,
@@ -71,7 +77,7 @@ impl<const WORDS: usize> AnswerRow<WORDS> {
         let (fours, rest) = self.confidence[..cells].as_chunks_mut::<4>();
         let (median_fours, median_rest) = median[..cells].as_chunks_mut::<4>();
         let (surface_fours, surface_rest) = surfaces[..cells].as_chunks_mut::<4>();
-        medians(rows, cells, |i, labels, certain| {
+        medians(sources.rows, cells, &sources.worth.unique, sources.sure, |i, labels, certain| {
             let certain = certain.to_le_bytes().map(|certain| splat(u32::from(certain)).to_le_bytes());
             let labels_by_cell = labels.to_le_bytes();
             if let (Some(four), Some(median), Some(surfaces)) =
@@ -258,6 +264,34 @@ impl<const WORDS: usize> AnswerRow<WORDS> {
         }
     }
 
+    /// Where there is nothing to see an answer is a guess, unless the nearest cells to the left and to the right that have
+    /// evidence agree with it.
+    #[inline(never)]
+    fn doubt_blank(&mut self, cells: usize, median: &[u8; WORDS], worth: &Worth<WORDS>) {
+        const NEAR: u8 = 2;
+        let (blank, median) = (&worth.blank[..cells], &median[..cells]);
+        let mut before: Option<u8> = None;
+        let mut c = 0;
+        while c < cells {
+            if blank[c] == 0 {
+                if worth.unique[c] != 0 {
+                    before = Some(median[c]);
+                }
+                c += 1;
+                continue;
+            }
+            let end = (c..cells).find(|&i| blank[i] == 0).unwrap_or(cells);
+            let after = (end..cells).find(|&i| blank[i] == 0 && worth.unique[i] != 0).map(|i| median[i]);
+            for i in c..end {
+                let agrees = |other: Option<u8>| other.is_some_and(|other| other.abs_diff(median[i]) <= NEAR);
+                if !(agrees(before) && agrees(after)) {
+                    self.confidence[i] = self.confidence[i].map(|confidence| confidence.min(GUESS as u8));
+                }
+            }
+            c = end;
+        }
+    }
+
     /// Gives the hidden pixels of the cells the farther of the surfaces beside them.
     #[inline(never)]
     fn fill(&mut self, cells: core::ops::Range<usize>, seen_before: Option<usize>, after: Option<u32>) {
@@ -279,13 +313,16 @@ impl<const WORDS: usize> AnswerRow<WORDS> {
         let cells = usize::from(config.width).div_ceil(4);
         // The offset goes and the least disparity comes; 1/2 of 1/16 px rounds.
         let base = pair_of(2 * (16 * i32::from(config.min_disparity) - OFFSET / 4));
-        let half = pair_of(2);
+        let (half, least) = (pair_of(2), pair_of(OFFSET));
         let rows = self.pixels[..cells].iter().zip(&self.slope[..cells]).zip(&mut out[..cells]);
         for ((pixels, &slope), out) in rows {
-            let slope = pair_of(i32::from(slope));
-            let rounded = if is_lower { add_halves(half, slope) } else { sub_halves(half, slope) };
-            // Halved twice: a quarter, and half of twice the base.
-            let [a, b] = pixels.map(|pair| signed_halved_sum_halves(signed_halved_sum_halves(pair, rounded), base));
+            let slope = pair_of(i32::from(if is_lower { slope } else { -slope }));
+            // Nothing is farther than the least disparity searched. Halved twice: a quarter, and half of twice the base.
+            let [a, b] = pixels.map(|pair| {
+                let moved = add_halves(pair, slope);
+                let within = select_ge_halves(moved, least, moved, least);
+                signed_halved_sum_halves(signed_halved_sum_halves(within, half), base)
+            });
             *out = [a, a >> 16, b, b >> 16].map(|bits| Disparity::from_bits(bits as u16 as i16));
         }
     }

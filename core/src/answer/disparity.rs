@@ -63,14 +63,13 @@ pub struct DisparityRow<'a> {
     pub y: u32,
     /// Disparity of each pixel of the left view, as many as the scanline has.
     pub disparity: &'a [Disparity],
-    /// Confidence of each pixel, 1 to 255; 0 where the disparity is unknown.
+    /// Confidence of each pixel: 0 where the disparity is unknown, 1 to 15 for a guess (hidden in the right view, or
+    /// nothing to see), 16 to 63 doubtful, 64 and more *sure*.
     ///
-    /// In the methods of this crate it is linear in how far the match stands out: the margin by which
-    /// it beats the best rival more than a step away, less its own cost, both per pixel of the window
-    /// (in `full` half of the margin is that of the cost, half that of the path through the neighbours).
-    /// 255 means a margin of 10 grey levels or more at no cost, each step less is 0.063 grey levels
-    /// less, and 1 is 16 grey levels less and all that is worse. Neighbouring blocks on another surface, and
-    /// less certain ones on the same, lower it. It ranks answers; it is no probability.
+    /// In [`Full`](crate::Full) and [`Lite`](crate::Lite) an answer is sure if it stands out from the others by its margin less
+    /// its cost, over 3 x 3 cells, and if the left row does not look like itself there: 4 and 8 px beside, at the
+    /// next like contour, and for the second best partner of the nearest contour. What is not sure is ranked by its margin
+    /// alone. It ranks answers; it is no probability. In the other methods it is a margin, 1 to 255.
     pub confidence: &'a [u8],
 }
 

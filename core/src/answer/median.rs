@@ -4,20 +4,26 @@ use crate::answer::cell_row::CellRow;
 use crate::lanes::{add, halved_sum, lane, max, min, min_max, select_ge, splat, sub};
 
 /// What a cell pays for neighbours on another surface, in merit.
-const JUMP: u32 = 5;
+const JUMP: u32 = 20;
 /// Merit of the least confidence.
-const NO_MERIT: u32 = 64;
+const NO_MERIT: u32 = 69;
+/// Least confidence of a sure answer.
+const SURE: u32 = 64;
 /// Least confidence of a measured answer.
 const MEASURED: u32 = 16;
 
 /// Four columns of three cells each: their least, middle and greatest label, and the mean of their merits.
 type Columns = [u32; 4];
 
-/// Of each four cells of the middle one of three rows: the medians of nine labels, and confidence, [`MEASURED`] to 255.
+/// Of each four cells of the middle one of three rows: the medians of nine labels, and confidence, [`MEASURED`] to 127.
+///
+/// - `unique`: what uniqueness adds to the merit of a cell; `sure`: what merit must exceed by [`SURE`] to be sure.
 #[inline(always)]
 pub(crate) fn medians<const WORDS: usize>(
     rows: [&CellRow<WORDS>; 3],
     cells: usize,
+    unique: &[u8; WORDS],
+    sure: u32,
     mut take: impl FnMut(usize, u32, u32),
 ) {
     let count = cells.div_ceil(4);
@@ -38,6 +44,12 @@ pub(crate) fn medians<const WORDS: usize>(
     if count == 0 {
         return;
     }
+    let uniques = fours(unique, cells);
+    let unique_at = |i: usize| match uniques.0.get(i) {
+        Some(&four) => u32::from_le_bytes(four),
+        None => uniques.1,
+    };
+    let mut unique_before = last(unique_at(0), 0);
     let mut here = columns(0);
     let mut before = here.map(|column| last(column, 0));
     for i in 0..count {
@@ -56,9 +68,16 @@ pub(crate) fn medians<const WORDS: usize>(
         let median = max(low, min(high, least_high));
         let [a, b, c] = around(3);
         let mean = halved_sum(halved_sum(a, c), b);
-        let price = select_ge(sub(most, least), splat(2), splat(NO_MERIT + JUMP), splat(NO_MERIT));
-        let merit = sub(mean, price);
-        take(i, median, max(add(merit, merit), splat(MEASURED)));
+        let jump = select_ge(sub(most, least), splat(2), splat(JUMP), 0);
+        let here_unique = unique_at(i);
+        let after = if i + 1 < count { unique_at(i + 1) } else { last(here_unique, 3) };
+        let beside = halved_sum(here_unique << 8 | unique_before >> 24, here_unique >> 8 | after << 24);
+        let certain = sub(sub(add(mean, halved_sum(beside, here_unique)), jump), splat(sure));
+        unique_before = here_unique;
+        let sure = select_ge(certain, splat(SURE), certain, 0);
+        // What is not sure is ranked by its margin alone.
+        let doubtful = sub(mean, add(splat(NO_MERIT), jump)) >> 1 & splat(SURE - 1);
+        take(i, median, max(max(sure, doubtful), splat(MEASURED)));
         (before, here) = (here, next);
     }
 }

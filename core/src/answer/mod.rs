@@ -8,6 +8,7 @@ pub(crate) mod cell_row;
 pub(crate) mod confidence;
 pub(crate) mod consistency;
 pub mod disparity;
+pub(crate) mod evidence;
 pub(crate) mod linkage;
 pub(crate) mod median;
 pub(crate) mod texture;

@@ -170,6 +170,17 @@ impl Noise {
         Self { floor: u16::try_from(least(10)).unwrap_or(u16::MAX), level }
     }
 
+    /// [`Self::feature_floor`] of Haar features without a least value.
+    pub(crate) fn haar_floor(self) -> u32 {
+        let gain = match self.level {
+            SmoothingLevel::Off => 76,
+            SmoothingLevel::Light => 36,
+            SmoothingLevel::Medium => 17,
+            SmoothingLevel::Strong => 10,
+        };
+        u32::from(self.floor) * gain / 16
+    }
+
     /// The mean magnitude of a feature that noise alone explains, with a margin of 1.3, in 1/16.
     ///
     /// White noise of 1 grey level gives gradients of 2.76 in the mean; smoothed 1.32, 0.60, 0.38. Of

@@ -62,20 +62,30 @@ impl Clips {
     pub(crate) const fn new(wide: u32, narrow: u32) -> Self {
         Self { wide: Clip::new(wide), narrow: if narrow == 0 { None } else { Some(Clip::new(narrow)) } }
     }
+
+    /// The byte of a feature whose gradient is zero.
+    pub(crate) fn zero(self) -> u32 {
+        self.of(0) & 0xff
+    }
+
+    /// What becomes of the gradients, signed lanes.
+    #[inline(always)]
+    fn of(self, gradient: u32) -> u32 {
+        let gradient = gradient ^ FLIP;
+        match self.narrow {
+            // The offsets of 255 - 2 limit add up modulo 256.
+            Some(narrow) => wrapping_add(self.wide.of(gradient), narrow.of(gradient)),
+            None => self.wide.of(gradient),
+        }
+    }
 }
 
 /// What `gradient`, of signed lanes, makes of each word from `first` on but the last, limited.
 #[inline(always)]
 fn clip_row(clips: Clips, out: &mut [u32], first: usize, gradient: impl Fn(usize) -> u32) {
     let last = out.len().saturating_sub(1);
-    let Clips { wide, narrow } = clips;
     for i in first..last {
-        let gradient = gradient(i) ^ FLIP;
-        out[i] = match narrow {
-            // The offsets of 255 - 2 limit add up modulo 256.
-            Some(narrow) => wrapping_add(wide.of(gradient), narrow.of(gradient)),
-            None => wide.of(gradient),
-        };
+        out[i] = clips.of(gradient(i));
     }
 }
 

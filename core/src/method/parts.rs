@@ -12,7 +12,7 @@ pub struct Parts {
     pub agreement: bool,
     /// Pre-smoothing by the noise level.
     pub smoothing: bool,
-    /// The texture test.
+    /// The tests of evidence: without them confidence is the margin's alone.
     pub texture: bool,
 }
 

@@ -7,7 +7,8 @@
 )]
 
 use crate::answer::answer_row::{AnswerRow, Sources};
-use crate::front_end::camera_view::{CameraView, TILE_ROWS, words_for};
+use crate::answer::evidence::{Evidence, Floor, Worth};
+use crate::front_end::camera_view::{CameraView, FeatureRows, TILE_ROWS, words_for};
 use crate::front_end::exposure::{Exposure, Gain};
 use crate::front_end::noise::{Noise, NoiseHistogram, SmoothingLevel};
 use crate::lanes::rows::Clips;
@@ -52,6 +53,7 @@ pub struct Tiled<M: Matching, const BLOCKS: usize, C = Untimed> {
     seeds: TileSeeds<BLOCKS>,
     paths: M::Paths<BLOCKS>,
     cells: M::Cells<BLOCKS>,
+    evidence: Evidence<BLOCKS>,
     answer: AnswerRow<BLOCKS>,
     disparity: [[Disparity; 4]; BLOCKS],
     /// Rows of this frame pushed or missed so far.
@@ -112,6 +114,7 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> Tiled<M, BLOCKS, C> {
             seeds: TileSeeds::new(),
             paths: M::Paths::EMPTY,
             cells: M::Cells::EMPTY,
+            evidence: Evidence::EMPTY,
             answer: AnswerRow::EMPTY,
             disparity: [[Disparity::UNKNOWN; 4]; BLOCKS],
             rows: 0,
@@ -207,7 +210,8 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> Tiled<M, BLOCKS, C> {
     fn pair_contours(&mut self, tile_row: u32) {
         self.clock.enter(Stage::Seeds);
         let tiles = self.tiles();
-        self.seeds.pair(&self.config, self.left.tiles(tile_row), self.right.tiles(tile_row), tiles);
+        let views = [self.left.tiles(tile_row), self.right.tiles(tile_row)];
+        self.seeds.pair(&self.config, tile_row, views, tiles);
     }
 
     /// Labels of the tiles, and the paths from the left; without agreement the cells, too.
@@ -302,16 +306,35 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> Tiled<M, BLOCKS, C> {
             return;
         }
         self.clock.enter(Stage::Consistency);
-        let tile_row = row / 2;
-        let inside = 2 * (row % 2) as usize;
-        let (left, right) = (self.left.tiles(tile_row), self.right.tiles(tile_row));
+        let floor = Floor::of(self.noise, self.settings().clips.zero(), M::AGREEMENT);
+        if row == 0 {
+            self.measure_evidence(0, floor);
+        }
+        self.measure_evidence(row + 1, floor);
+        let cells = usize::from(self.config.width).div_ceil(4);
+        let worth = if self.parts.texture {
+            let mut worth = self.evidence.judge(row, cells, floor);
+            worth.doubt_rivals(&self.cells.row(row).label, self.seeds.rivals(row / 2, self.tiles()), cells);
+            worth
+        } else {
+            Worth::TRUSTED
+        };
+        let [left, right] = features_of([&self.left, &self.right], row);
         let sources = Sources {
             rows: [row.saturating_sub(1), row, row + 1].map(|row| self.cells.row(row)),
-            left: [&left[inside], &left[inside + 1]],
-            right: [&right[inside], &right[inside + 1]],
+            left,
+            right,
+            worth,
+            sure: floor.sure,
         };
         self.answer.answer(&self.config, &sources);
         self.answered += 1;
+    }
+
+    /// Measures the evidence of a cell row that is final.
+    fn measure_evidence(&mut self, row: u32, floor: Floor) {
+        let rows = features_of([&self.left, &self.right], row);
+        self.evidence.measure(row, &self.config, rows, &self.cells.row(row).label, floor);
     }
 
     /// Delivers the next row, if it is answered.
@@ -390,6 +413,18 @@ const fn scramble(number: u32) -> u32 {
     let mixed = (number ^ number >> 16).wrapping_mul(0x85eb_ca6b);
     let mixed = (mixed ^ mixed >> 13).wrapping_mul(0xc2b2_ae35);
     mixed ^ mixed >> 16
+}
+
+/// The two feature rows of a cell row in either view.
+fn features_of<const WORDS: usize, F: FeatureRows<WORDS>>(
+    views: [&CameraView<WORDS, F>; 2],
+    row: u32,
+) -> [[&[u32; WORDS]; 2]; 2] {
+    let inside = 2 * (row % 2) as usize;
+    views.map(|view| {
+        let tile = view.tiles(row / 2);
+        [&tile[inside], &tile[inside + 1]]
+    })
 }
 
 /// Where the cell row above a row of tiles is, and its own two.

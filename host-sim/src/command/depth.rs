@@ -109,7 +109,10 @@ impl Args {
         let rig = self.depth.rig(&self.rig, &self.search)?;
         let geometry = self.depth.geometry(rig.as_ref())?;
         let max_depth_m = self.depth.max_depth_m(geometry.as_ref())?;
-        let (method, min_confidence) = (self.method.get()?, self.min_confidence.get()?);
+        let method = self.method.get()?;
+        // Filled maps show the guesses of a method that has its own.
+        let shows_guesses = self.fill && method.kind.has_guesses() && !self.min_confidence.is_told();
+        let min_confidence = if shows_guesses { 0 } else { self.min_confidence.get(Some(method.kind))? };
         let files = self.files()?;
         self.check_outputs(&files, geometry.is_some())?;
         let pair = self.read_pair()?;

@@ -119,7 +119,8 @@ struct Summary<'a> {
 
 impl Args {
     pub(super) fn run(self) -> Result<()> {
-        let (method, min_confidence) = (self.method.get()?, self.min_confidence.get()?);
+        let method = self.method.get()?;
+        let min_confidence = self.min_confidence.get(Some(method.kind))?;
         // Whatever the width will be.
         self.search.config(Config::MAX_WIDTH)?;
         let step = usize::try_from(self.every).ok().filter(|&step| step > 0);

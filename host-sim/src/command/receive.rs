@@ -48,7 +48,7 @@ struct Summary {
 
 impl Args {
     pub(super) fn run(self) -> Result<()> {
-        let min_confidence = self.min_confidence.get()?;
+        let min_confidence = self.min_confidence.get(None)?;
         let name = self.packets.display();
         let unreadable = |error: io::Error| anyhow!("{name}: cannot be read: {error}");
         let mut packets = open(&self.packets).map_err(unreadable)?;

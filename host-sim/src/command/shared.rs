@@ -222,17 +222,29 @@ impl JsonOutput {
 /// The limit below which pixels become unknown.
 #[derive(Debug, clap::Args)]
 pub(super) struct MinConfidence {
-    /// Makes pixels of less confidence unknown, 0 to 255
-    #[arg(long, value_name = "C", default_value_t = 0, allow_hyphen_values = true, value_parser = whole_number)]
-    min_confidence: i64,
+    /// Makes pixels of less confidence unknown, 0 to 255. Unless told, guesses (less than 16) of full and lite are
+    #[arg(long, value_name = "C", allow_hyphen_values = true, value_parser = whole_number)]
+    min_confidence: Option<i64>,
 }
 
 impl MinConfidence {
-    pub(super) fn get(&self) -> Result<u8> {
-        let Self { min_confidence } = self;
-        u8::try_from(*min_confidence)
+    /// Least confidence of an answer that is no guess.
+    const MEASURED: u8 = 16;
+
+    /// For maps of `method`, or of a chip's method that is not known.
+    pub(super) fn get(&self, method: Option<MethodKind>) -> Result<u8> {
+        let Some(min_confidence) = self.min_confidence else {
+            let has_guesses = method.is_none_or(MethodKind::has_guesses);
+            return Ok(if has_guesses { Self::MEASURED } else { 0 });
+        };
+        u8::try_from(min_confidence)
             .ok()
             .with_context(|| format!("--min-confidence {min_confidence}: must be 0 to 255"))
+    }
+
+    /// Whether a limit was told.
+    pub(super) const fn is_told(&self) -> bool {
+        self.min_confidence.is_some()
     }
 }
 

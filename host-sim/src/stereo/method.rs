@@ -45,6 +45,14 @@ pub enum MethodKind {
     Envelope,
 }
 
+impl MethodKind {
+    /// Whether its answers of less confidence than 16 are guesses.
+    #[must_use]
+    pub const fn has_guesses(self) -> bool {
+        matches!(self, Self::Full | Self::Lite)
+    }
+}
+
 /// A method and its settings.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Method {

@@ -235,7 +235,7 @@ fn confidence_is_0_exactly_where_nothing_is_known_or_less_sure_than_asked() {
     let bench = bench_with_box();
     for method in METHODS {
         let line = format!("depth left.png right.png --method {method}");
-        bench.succeeds(&format!("{line} -o all.pfm --confidence all.png"));
+        bench.succeeds(&format!("{line} --min-confidence 0 -o all.pfm --confidence all.png"));
         let (all, confidence) = (pfm(&bench, "all.pfm"), png8(&bench.read("all.png")));
         let known_without = all.px.iter().zip(&confidence).filter(|(px, c)| px.is_finite() && **c == 0).count();
         assert_eq!(known_without, 0, "{method}: known without confidence");
@@ -297,7 +297,7 @@ fn the_json_summary_is_one_line_that_agrees_with_the_map() {
 #[test]
 fn with_a_rig_the_json_summary_tells_depth() {
     let bench = bench_with_plane(6);
-    let line = "depth left.png right.png --focal-px 180 --baseline-mm 60 --min-confidence 100 --json";
+    let line = "depth left.png right.png --focal-px 180 --baseline-mm 60 --min-confidence 64 --json";
     let summary = bench.succeeds(line).json();
     assert_eq!((summary["focal_px"].as_f64(), summary["baseline_mm"].as_f64()), (Some(180.0), Some(60.0)));
     let depth = |key: &str| summary[key].as_f64().unwrap_or_else(|| panic!("{key}: {summary}"));

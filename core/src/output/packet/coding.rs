@@ -1,5 +1,19 @@
-//! How the pixels of a row are written: runs of equal ones, or plain.
+//! How the pixels of a row are written: cells of four, runs of equal ones, or plain.
 //!
+//! # Cells
+//! Four columns at a time, the last ones filled up with the last pixel. Four bits tell how they follow; those of two cells are
+//! one byte before the first of them, the lower four for that one.
+//!
+//! | bits 0, 1 | disparities | bits 2, 3 | confidences |
+//! |---|---|---|---|
+//! | 0 | the last one four times | 0 | the last one four times |
+//! | 1 | four steps of -8 to 7 in two bytes, each plus 8, the lower half first | 1 | one byte for all |
+//! | 2 | four signed bytes, steps | 2 | four bytes |
+//! | 3 | four times two bytes | | |
+//!
+//! A step is from the pixel before; before the first pixel disparity and confidence are 0.
+//!
+//! # Runs
 //! A run is a token, whose low four bits hold its length less one, or 15 where one or two bytes with
 //! the length less 16 follow; then what the token's high bits ask for:
 //!
@@ -76,12 +90,122 @@ pub(super) fn write(coding: Coding, row: DisparityRow<'_>, room: &mut [u8]) -> O
                 writer.push([low, high, confidence])?;
             }
         }
+        Coding::Cells => write_cells(row, &mut writer)?,
         Coding::Runs => {
             let mut last = 0;
             runs(row).try_for_each(|run| write_run(run, &mut last, &mut writer))?;
         }
     }
     Some(writer.used)
+}
+
+/// Four pixels from `at` on, the last one again beyond the row.
+fn cell<T: Copy>(row: &[T], at: usize) -> Option<[T; 4]> {
+    match row.get(at..).and_then(|rest| rest.first_chunk()) {
+        Some(&cell) => Some(cell),
+        None => {
+            let &last = row.last()?;
+            Some([0, 1, 2, 3].map(|i| row.get(at + i).copied().unwrap_or(last)))
+        }
+    }
+}
+
+fn write_cells(row: DisparityRow<'_>, writer: &mut Writer<'_>) -> Option<()> {
+    let (mut last, mut sure) = (0, 0);
+    let mut token_at = 0;
+    for (number, at) in (0..row.disparity.len()).step_by(4).enumerate() {
+        if number % 2 == 0 {
+            token_at = writer.used;
+            writer.push([0])?;
+        }
+        let values = cell(row.disparity, at)?.map(Disparity::into_bits);
+        let [a, b, c, d] = values;
+        let steps = [a.wrapping_sub(last), b.wrapping_sub(a), c.wrapping_sub(b), d.wrapping_sub(c)];
+        last = d;
+        let least = steps.into_iter().fold(0, i16::min);
+        let most = steps.into_iter().fold(0, i16::max);
+        let bytes = steps.map(|step| step.to_le_bytes()[0]);
+        let disparity = match (least, most) {
+            (0, 0) => 0,
+            (-8.., ..=7) => {
+                let [a, b, c, d] = bytes.map(|step| step.wrapping_add(8) & 15);
+                writer.push([a | b << 4, c | d << 4])?;
+                1
+            }
+            (-128.., ..=127) => {
+                writer.push(bytes)?;
+                2
+            }
+            _ => {
+                for value in values {
+                    writer.push(value.to_le_bytes())?;
+                }
+                3
+            }
+        };
+        let confidences = cell(row.confidence, at)?;
+        let confidence = if confidences == [sure; 4] {
+            0
+        } else if confidences == [confidences[0]; 4] {
+            writer.push([confidences[0]])?;
+            1
+        } else {
+            writer.push(confidences)?;
+            2
+        };
+        sure = confidences[3];
+        *writer.room.get_mut(token_at)? |= (disparity | confidence << 2) << (4 * (number % 2));
+    }
+    Some(())
+}
+
+fn read_cells(bytes: &[u8], disparity: &mut [Disparity], confidence: &mut [u8]) -> Option<()> {
+    let mut bytes = bytes.iter().copied();
+    let (mut last, mut sure) = (0i16, 0);
+    let mut token = 0;
+    for (number, (disparities, confidences)) in disparity.chunks_mut(4).zip(confidence.chunks_mut(4)).enumerate() {
+        token = if number % 2 == 0 { bytes.next()? } else { token >> 4 };
+        let mut next = || bytes.next();
+        let values = match token & 3 {
+            0 => [last; 4],
+            form => {
+                let mut steps = [0i16; 4];
+                match form {
+                    1 => {
+                        let [a, b] = [next()?, next()?];
+                        steps = [a & 15, a >> 4, b & 15, b >> 4].map(|step| i16::from(step) - 8);
+                    }
+                    2 => {
+                        for step in &mut steps {
+                            *step = i16::from(next()?.cast_signed());
+                        }
+                    }
+                    _ => {
+                        let mut before = last;
+                        for step in &mut steps {
+                            let value = i16::from_le_bytes([next()?, next()?]);
+                            (*step, before) = (value.wrapping_sub(before), value);
+                        }
+                    }
+                }
+                steps.map(|step| {
+                    last = last.wrapping_add(step);
+                    last
+                })
+            }
+        };
+        let sures = match token >> 2 & 3 {
+            0 => [sure; 4],
+            1 => [next()?; 4],
+            2 => [next()?, next()?, next()?, next()?],
+            _ => return None,
+        };
+        sure = sures[3];
+        for ((to, from), (sure_to, sure)) in disparities.iter_mut().zip(values).zip(confidences.iter_mut().zip(sures)) {
+            (*to, *sure_to) = (Disparity::from_bits(from), sure);
+        }
+    }
+    bytes.next().is_none().then_some(())
 }
 
 fn write_run(run: Run, last: &mut i16, writer: &mut Writer<'_>) -> Option<()> {
@@ -143,6 +267,7 @@ pub(super) fn read(coding: Coding, bytes: &[u8], disparity: &mut [Disparity], co
             }
             Some(())
         }
+        Coding::Cells => read_cells(bytes, disparity, confidence),
         Coding::Runs => read_runs(bytes, disparity, confidence),
     }
 }

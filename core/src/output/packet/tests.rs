@@ -118,6 +118,17 @@ fn pixels() -> impl Strategy<Value = (i16, u8, usize)> {
 
 proptest! {
     #[test]
+    fn every_whole_row_comes_back_exactly(steps in prop::collection::vec((-40i16..40, any::<u8>(), 1usize..9), 1..60)) {
+        let mut bits = 0;
+        let pixels = steps.iter().flat_map(|&(step, confidence, length)| {
+            bits += step;
+            let level = bits;
+            (0i16..).zip(core::iter::repeat_n(confidence, length)).map(move |(i, confidence)| (level + i % 3, confidence))
+        });
+        Row::of(pixels.take(WIDTH)).through(&Counters::ZERO);
+    }
+
+    #[test]
     fn every_row_comes_back_exactly(runs in prop::collection::vec(pixels(), 0..40)) {
         let pixels = runs.iter().flat_map(|&(bits, confidence, length)| (0..length).map(move |_| (bits, confidence)));
         Row::of(pixels.take(WIDTH)).through(&Counters::ZERO);
@@ -131,7 +142,7 @@ proptest! {
     #[test]
     fn no_bytes_make_the_decoder_fail(
         mut bytes in prop::collection::vec(any::<u8>(), 0..200),
-        coding in prop_oneof![Just(Coding::Runs), Just(Coding::Plain)],
+        coding in prop_oneof![Just(Coding::Runs), Just(Coding::Plain), Just(Coding::Cells)],
         width in 0usize..300,
     ) {
         let (mut disparity, mut confidence) = ([Disparity::UNKNOWN; 300], [0; 300]);
