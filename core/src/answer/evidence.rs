@@ -13,27 +13,18 @@ use crate::Config;
 use crate::front_end::camera_view::Row;
 use crate::front_end::noise::{Noise, SmoothingLevel};
 use crate::lanes::rows::load;
-use crate::lanes::{add, halved_sum, lane, min, sad, sad_add, select_ge, splat};
+use crate::lanes::{halved_sum, sad, sad_add, splat};
 use crate::matching::tile_seed::ANY;
 
 /// What uniqueness adds to the merit of a cell.
 const UNIQUE: u32 = 90;
 
-/// What is known of the cells of a row; sums over their 4 x 2 px, at most 255.
-#[derive(Debug, Clone)]
-struct EvidenceRow<const WORDS: usize> {
-    /// Absolute differences at the answer.
-    fit: [u8; WORDS],
-    /// Absolute differences of the left row against itself 4 and 8 px to the right.
-    near: [u8; WORDS],
-    far: [u8; WORDS],
-    /// Magnitudes of the features, of the weaker view.
-    strength: [u8; WORDS],
-}
-
-impl<const WORDS: usize> EvidenceRow<WORDS> {
-    const EMPTY: Self = Self { fit: [0; WORDS], near: [0; WORDS], far: [0; WORDS], strength: [0; WORDS] };
-}
+/// What is known of a cell, a byte each: sums over its 4 x 2 px, at most 255.
+///
+/// - lane 0: absolute differences at the answer;
+/// - lanes 1 and 2: absolute differences of the left row against itself 4 and 8 px to the right;
+/// - lane 3: magnitudes of the features, of the weaker view.
+type Sums = u32;
 
 /// The thresholds that the frame's noise asks for.
 #[derive(Debug, Clone, Copy)]
@@ -81,37 +72,40 @@ impl<const WORDS: usize> Worth<WORDS> {
     /// - `rivals`: as [`TileSeeds::rivals`](crate::matching::tile_seed::TileSeeds::rivals) has them.
     #[inline(never)]
     pub(crate) fn doubt_rivals(&mut self, labels: &[u8; WORDS], rivals: &[[u16; 2]], cells: usize) {
-        for (c, (unique, &label)) in self.unique.iter_mut().zip(labels).enumerate().take(cells) {
-            if *unique == 0 {
-                continue;
-            }
-            let tile = c / 2;
-            for at in [tile, tile.wrapping_sub(1), tile + 1, tile.wrapping_sub(2), tile + 2] {
-                let Some(&[first, second]) = rivals.get(at) else { continue };
-                let is_near = |other: u16| other.abs_diff(u16::from(label)) <= 1;
-                if first == ANY {
+        let pairs = self.unique[..cells].chunks_mut(2).zip(labels[..cells].chunks(2));
+        for (tile, (unique, labels)) in pairs.enumerate() {
+            for (unique, &label) in unique.iter_mut().zip(labels) {
+                if *unique != 0 && !is_alone(tile, label.into(), rivals) {
                     *unique = 0;
-                    break;
-                }
-                if is_near(first) || is_near(second) {
-                    if first != second {
-                        *unique = 0;
-                    }
-                    break;
                 }
             }
         }
     }
 }
 
+/// Whether the nearest contour of a tile that has to do with a label has no rival for it.
+#[inline(always)]
+fn is_alone(tile: usize, label: u16, rivals: &[[u16; 2]]) -> bool {
+    for at in [tile, tile.wrapping_sub(1), tile + 1, tile.wrapping_sub(2), tile + 2] {
+        let Some(&[first, second]) = rivals.get(at) else { continue };
+        if first == ANY {
+            return false;
+        }
+        if first.abs_diff(label) <= 1 || second.abs_diff(label) <= 1 {
+            return first == second;
+        }
+    }
+    true
+}
+
 /// The evidence of the newest three cell rows.
 #[derive(Debug, Clone)]
 pub(crate) struct Evidence<const WORDS: usize> {
-    rows: [EvidenceRow<WORDS>; 3],
+    rows: [[Sums; WORDS]; 3],
 }
 
 impl<const WORDS: usize> Evidence<WORDS> {
-    pub(crate) const EMPTY: Self = Self { rows: [const { EvidenceRow::EMPTY }; 3] };
+    pub(crate) const EMPTY: Self = Self { rows: [[0; WORDS]; 3] };
 
     /// Measures the cells of row `number`.
     ///
@@ -125,74 +119,53 @@ impl<const WORDS: usize> Evidence<WORDS> {
         labels: &[u8; WORDS],
         floor: Floor,
     ) {
-        let row = &mut self.rows[(number % 3) as usize];
         let cells = usize::from(config.width).div_ceil(4);
         let zero = splat(floor.zero);
-        let byte = |sum: u32| sum.min(255) as u8;
-        let origin = 4 - i32::from(config.min_disparity);
-        for c in 0..cells {
-            let [a, b] = left.map(|row| [row[c + 1], row[(c + 2).min(cells + 1)], row[(c + 3).min(cells + 1)]]);
-            let at = usize::try_from(4 * c as i32 + origin - i32::from(labels[c])).unwrap_or(usize::MAX);
-            let [x, y] = right.map(|row| load(row, at));
-            row.fit[c] = byte(sad_add(b[0], y, sad(a[0], x)));
-            row.near[c] = byte(sad_add(b[0], b[1], sad(a[0], a[1])));
-            row.far[c] = byte(sad_add(b[0], b[2], sad(a[0], a[2])));
-            row.strength[c] = byte(sad_add(b[0], zero, sad(a[0], zero)).min(sad_add(y, zero, sad(x, zero))));
+        let Some(row) = self.rows[(number % 3) as usize].get_mut(..cells) else { return };
+        // The words of a cell and of those beside it; beyond the row its margin stands.
+        let [upper, lower] = left.map(|row| &row[1..cells + 2]);
+        let words = |row: &[u32], at: usize| row.get(at).or(row.last()).copied().unwrap_or(0);
+        let (mut a, mut b) = ([words(upper, 0), words(lower, 0)], [words(upper, 1), words(lower, 1)]);
+        let mut column = 4 - i32::from(config.min_disparity);
+        for (at, (sums, &label)) in (2..).zip(row.iter_mut().zip(labels)) {
+            let c = [words(upper, at), words(lower, at)];
+            let byte = (column - i32::from(label)).cast_unsigned() as usize;
+            let [x, y] = right.map(|row| load(row, byte));
+            let fit = sad_add(a[1], y, sad(a[0], x));
+            let near = sad_add(a[1], b[1], sad(a[0], b[0]));
+            let far = sad_add(a[1], c[1], sad(a[0], c[0]));
+            let strength = sad_add(a[1], zero, sad(a[0], zero)).min(sad_add(y, zero, sad(x, zero)));
+            *sums = fit.min(255) | near.min(255) << 8 | far.min(255) << 16 | strength.min(255) << 24;
+            column += 4;
+            (a, b) = (b, c);
         }
     }
 
     /// Judges the cells of row `number` by those around them; the rows above and below must be measured.
     #[inline(never)]
     pub(crate) fn judge(&self, number: u32, cells: usize, floor: Floor) -> Worth<WORDS> {
-        let rows = [number.saturating_sub(1), number, number + 1].map(|row| &self.rows[(row % 3) as usize]);
+        let [above, here, below] =
+            [number.saturating_sub(1), number, number + 1].map(|row| &self.rows[(row % 3) as usize][..cells]);
         let mut worth = Worth { unique: [0; WORDS], blank: [0; WORDS] };
-        // Means over three rows, of columns before the first and after the last, too.
-        let mean = |of: fn(&EvidenceRow<WORDS>) -> &[u8; WORDS], c: usize| {
-            let [a, b, c] = rows.map(|row| quad(of(row), c, cells));
-            halved_sum(halved_sum(a, c), b)
-        };
-        let fields: [fn(&EvidenceRow<WORDS>) -> &[u8; WORDS]; 4] =
-            [|row| &row.fit, |row| &row.near, |row| &row.far, |row| &row.strength];
-        let mut smooth_before = [u32::MAX; 2];
-        let mut here = fields.map(|field| mean(field, 0));
-        let mut before = [here[0], here[1], here[2]].map(|word| splat(lane(word, 0)));
-        let above = splat((floor.noise * 5 / 32).min(255));
-        let blank = splat((floor.noise / 8).clamp(1, 255));
-        for at in (0..cells).step_by(4) {
-            let next = fields.map(|field| mean(field, at + 4));
-            let across = |i: usize| {
-                let word = here[i];
-                halved_sum(halved_sum(word << 8 | before[i] >> 24, word >> 8 | next[i] << 24), word)
-            };
-            let (fit, near, far) = (across(0), across(1), across(2));
-            // Another piece may lie to the left as well: what is true of the cells 4 and 8 px before.
-            let left_near = near << 8 | smooth_before[0] >> 24;
-            let left_far = far << 16 | smooth_before[1] >> 16;
-            let likeness = min(min(near, left_near), min(far, left_far));
-            let unique = select_ge(likeness, add(fit, above), splat(UNIQUE), 0);
-            put(&mut worth.unique, at, unique);
-            put(&mut worth.blank, at, select_ge(blank, quad(&rows[1].strength, at, cells), u32::MAX, 0));
-            before = [here[0], here[1], here[2]];
-            smooth_before = [near, far];
-            here = next;
+        // Means over three rows, all four sums at once; then over three columns.
+        let mean = |c: usize| Some(halved_sum(halved_sum(*above.get(c)?, *below.get(c)?), *here.get(c)?));
+        let unique_from = (floor.noise * 5 / 32).min(255);
+        let blank_to = (floor.noise / 8).clamp(1, 255);
+        let mut middle = mean(0).unwrap_or(0);
+        let mut before = middle;
+        // Another piece may lie to the left as well: what is true of the cells 4 and 8 px before.
+        let (mut near_before, mut far_before) = (255, [255; 2]);
+        let cells = worth.unique[..cells].iter_mut().zip(&mut worth.blank[..cells]).zip(here);
+        for (c, ((unique, blank), sums)) in (1..).zip(cells) {
+            let after = mean(c).unwrap_or(middle);
+            let around = halved_sum(halved_sum(before, after), middle);
+            (before, middle) = (middle, after);
+            let (fit, near, far) = (around & 0xff, around >> 8 & 0xff, around >> 16 & 0xff);
+            let likeness = near.min(near_before).min(far).min(far_before[0]);
+            (near_before, far_before) = (near, [far_before[1], far]);
+            *unique = if likeness >= fit + unique_from { UNIQUE as u8 } else { 0 };
+            *blank = if sums >> 24 <= blank_to { u8::MAX } else { 0 };
         }
         worth
-    }
-}
-
-/// Four bytes of a row; the last one again beyond its end.
-#[inline(always)]
-fn quad<const WORDS: usize>(row: &[u8; WORDS], at: usize, len: usize) -> u32 {
-    match row[..len].get(at..at + 4).and_then(|bytes| bytes.first_chunk::<4>()) {
-        Some(&bytes) => u32::from_le_bytes(bytes),
-        None => u32::from_le_bytes([0, 1, 2, 3].map(|i| row[(at + i).min(len - 1)])),
-    }
-}
-
-/// Stores four bytes of a row, as far as it goes.
-#[inline(always)]
-fn put<const WORDS: usize>(row: &mut [u8; WORDS], at: usize, word: u32) {
-    for (to, from) in row.iter_mut().skip(at).zip(word.to_le_bytes()) {
-        *to = from;
     }
 }
