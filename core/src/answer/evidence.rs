@@ -59,7 +59,7 @@ impl Floor {
 pub(crate) struct Worth<const WORDS: usize> {
     /// What uniqueness adds to the merit.
     pub(crate) unique: [u8; WORDS],
-    /// 255 where there is nothing to see, else 0.
+    /// 255 where there is nothing to see, here and around, else 0.
     pub(crate) blank: [u8; WORDS],
 }
 
@@ -150,13 +150,13 @@ impl<const WORDS: usize> Evidence<WORDS> {
         // Means over three rows, all four sums at once; then over three columns.
         let mean = |c: usize| Some(halved_sum(halved_sum(*above.get(c)?, *below.get(c)?), *here.get(c)?));
         let unique_from = (floor.noise * 5 / 32).min(255);
-        let blank_to = (floor.noise / 8).clamp(1, 255);
+        let blank_to = (floor.noise * 2 / 5).clamp(1, 255);
         let mut middle = mean(0).unwrap_or(0);
         let mut before = middle;
         // Another piece may lie to the left as well: what is true of the cells 4 and 8 px before.
         let (mut near_before, mut far_before) = (255, [255; 2]);
-        let cells = worth.unique[..cells].iter_mut().zip(&mut worth.blank[..cells]).zip(here);
-        for (c, ((unique, blank), sums)) in (1..).zip(cells) {
+        let cells = worth.unique[..cells].iter_mut().zip(&mut worth.blank[..cells]);
+        for (c, (unique, blank)) in (1..).zip(cells) {
             let after = mean(c).unwrap_or(middle);
             let around = halved_sum(halved_sum(before, after), middle);
             (before, middle) = (middle, after);
@@ -164,7 +164,7 @@ impl<const WORDS: usize> Evidence<WORDS> {
             let likeness = near.min(near_before).min(far).min(far_before[0]);
             (near_before, far_before) = (near, [far_before[1], far]);
             *unique = if likeness >= fit + unique_from { UNIQUE as u8 } else { 0 };
-            *blank = if sums >> 24 <= blank_to { u8::MAX } else { 0 };
+            *blank = if around >> 24 <= blank_to { u8::MAX } else { 0 };
         }
         worth
     }

@@ -104,7 +104,11 @@ impl Args {
         let rendering = scene.render();
         let Run { map, elapsed } = pipeline::run(&mut *self.method.build(scene.config())?, &rendering.pair)?;
         let files = scene_files(&scene, &rendering, focal_px)?;
-        let files = files.into_iter().chain(map_files(&rendering, &map, focal_px)?);
+        let mut shown = map.clone();
+        if self.method.has_guesses() {
+            shown.drop_below(LEAST_DEFAULT_CONFIDENCE);
+        }
+        let files = files.into_iter().chain(map_files(&rendering, &shown, focal_px)?);
         let rig = (RIG_FILE, "the rig that it is as if seen by", haarline_rig::template().into_bytes());
         let files: Vec<NamedFile> = files.chain((self.scene == SceneKind::Rover).then_some(rig)).collect();
         for (name, _, bytes) in &files {
