@@ -9,6 +9,7 @@ pub mod envelope;
 pub mod full;
 pub mod lite;
 mod matcher;
+mod missing_rows;
 pub mod parts;
 pub mod pipeline;
 mod sparse;

@@ -10,6 +10,7 @@ use crate::front_end::view::{SMOOTH_LAG, View, sum_rows};
 use crate::matching::block::{BlockRows, SIZE, SIZE_U32};
 use crate::matching::seed::Seeds;
 use crate::method::matcher::{Matcher, Stage};
+use crate::method::missing_rows::MissingRows;
 use crate::method::parts::Parts;
 use crate::stage::{self, StageClock, Untimed};
 use crate::{Config, ConfigError, DisparityRow, RowError, ScanlinePair, StereoMethod};
@@ -32,6 +33,16 @@ const FEATURE_LAG: u32 = SMOOTH_LAG + 1;
 #[must_use]
 pub const fn blocks_for(width: u16) -> usize {
     (width as usize).div_ceil(SIZE) + 2 * MARGIN / SIZE
+}
+
+/// Checks the configuration of a method with a capacity of so many blocks.
+pub(crate) fn check_capacity(config: &Config, blocks: usize) -> Result<(), ConfigError> {
+    config.check()?;
+    if blocks_for(config.width) > blocks {
+        let max_width = u16::try_from(SIZE * blocks.saturating_sub(blocks_for(0))).unwrap_or(u16::MAX);
+        return Err(ConfigError::Capacity { max_width });
+    }
+    Ok(())
 }
 
 /// A stereo method: the shared pipeline around the matcher `M`.
@@ -59,21 +70,6 @@ pub struct Pipeline<M, const FEATURE_ROWS: usize, const BLOCKS: usize, C = Untim
     answered: u32,
     missing: MissingRows,
     clock: C,
-}
-
-/// Which of the last 32 rows were missing: more than the latency.
-#[derive(Debug, Clone, Copy, Default)]
-struct MissingRows(u32);
-
-impl MissingRows {
-    const fn has(self, y: u32) -> bool {
-        self.0 >> (y % 32) & 1 == 1
-    }
-
-    const fn set(&mut self, y: u32, missing: bool) {
-        let bit = 1 << (y % 32);
-        self.0 = self.0 & !bit | if missing { bit } else { 0 };
-    }
 }
 
 impl<M, const FEATURE_ROWS: usize, const BLOCKS: usize, C> Pipeline<M, FEATURE_ROWS, BLOCKS, C> {
@@ -117,11 +113,7 @@ where
     }
 
     fn build(config: Config, parts: Parts, clock: C) -> Result<Self, ConfigError> {
-        config.check()?;
-        if blocks_for(config.width) > BLOCKS {
-            let max_width = u16::try_from(SIZE * BLOCKS.saturating_sub(blocks_for(0))).unwrap_or(u16::MAX);
-            return Err(ConfigError::Capacity { max_width });
-        }
+        check_capacity(&config, BLOCKS)?;
         Ok(Self {
             config,
             parts,
@@ -263,9 +255,7 @@ where
         self.left.raw.push_pixels(pair.left);
         self.right.raw.push_pixels(pair.right);
         self.missing.set(self.rows, false);
-        // A stand-in has no noise of its own, and second differences span three rows.
-        let is_whole = !(0..3).any(|back| self.missing.has(self.rows.wrapping_sub(back)));
-        if is_whole {
+        if !self.missing.has_any_of_three(self.rows) {
             self.left.measure_noise(pair.left.len());
             self.right.measure_noise(pair.right.len());
         }

@@ -6,7 +6,8 @@ use crate::count;
 use crate::front_end::exposure::Exposure;
 use crate::front_end::noise::{Noise, SmoothingLevel};
 use crate::front_end::view::{SMOOTH_LAG, View};
-use crate::method::pipeline::blocks_for;
+use crate::method::missing_rows::MissingRows;
+use crate::method::pipeline::check_capacity;
 use crate::stage::{Stage, StageClock, Untimed};
 use crate::{Config, ConfigError, DisparityRow, Reading, RowError, ScanlinePair, StereoMethod};
 
@@ -51,7 +52,7 @@ pub struct SparseRow<'a, const ROWS: usize, const BLOCKS: usize> {
 
 /// A sparse stereo method: the front end that all methods of the core share, and points measured by `M`.
 ///
-/// `BLOCKS` is the capacity, [`blocks_for`] the widest row; `ROWS` the smoothed rows that are kept. Of
+/// `BLOCKS` is the capacity, [`blocks_for`](crate::blocks_for) the widest row; `ROWS` the smoothed rows that are kept. Of
 /// the same rows every capacity makes the same answer. All pixels without a point are unknown.
 #[derive(Debug, Clone)]
 pub struct Sparse<M, const ROWS: usize, const BLOCKS: usize, C = Untimed> {
@@ -70,19 +71,14 @@ pub struct Sparse<M, const ROWS: usize, const BLOCKS: usize, C = Untimed> {
     rows: u32,
     /// Rows of this frame delivered so far.
     answered: u32,
-    /// Which of the last 64 rows were missing: more than the latency.
-    missing: u64,
+    missing: MissingRows,
     clock: C,
 }
 
 impl<M: Points<ROWS, BLOCKS>, const ROWS: usize, const BLOCKS: usize, C: StageClock> Sparse<M, ROWS, BLOCKS, C> {
     /// A method of `points`, whose settings are checked; `clock` is told of its stages.
     pub(crate) fn build(config: Config, points: M, clock: C) -> Result<Self, ConfigError> {
-        config.check()?;
-        if blocks_for(config.width) > BLOCKS {
-            let max_width = u16::try_from(4 * BLOCKS.saturating_sub(blocks_for(0))).unwrap_or(u16::MAX);
-            return Err(ConfigError::Capacity { max_width });
-        }
+        check_capacity(&config, BLOCKS)?;
         Ok(Self {
             config,
             points,
@@ -95,7 +91,7 @@ impl<M: Points<ROWS, BLOCKS>, const ROWS: usize, const BLOCKS: usize, C: StageCl
             measured: 0,
             rows: 0,
             answered: 0,
-            missing: 0,
+            missing: MissingRows::default(),
             clock,
         })
     }
@@ -144,7 +140,7 @@ impl<M: Points<ROWS, BLOCKS>, const ROWS: usize, const BLOCKS: usize, C: StageCl
         let y = self.measured;
         self.measured += 1;
         let answers = self.answers.push();
-        if y < self.rows && self.missing >> (y % 64) & 1 == 0 {
+        if y < self.rows && !self.missing.has(y) {
             let row = SparseRow { config: &self.config, y: i64::from(y), left: &self.left, right: &self.right };
             self.points.measure(&row, answers, &self.clock);
         }
@@ -162,21 +158,9 @@ impl<M: Points<ROWS, BLOCKS>, const ROWS: usize, const BLOCKS: usize, C: StageCl
         self.answered += 1;
     }
 
-    const fn is_missing(&self, y: u32) -> bool {
-        self.missing >> (y % 64) & 1 == 1
-    }
-
-    const fn set_missing(&mut self, missing: bool) {
-        let bit = 1 << (self.rows % 64);
-        self.missing = self.missing & !bit | if missing { bit } else { 0 };
-        self.rows += 1;
-    }
-
     /// Takes the newest row into what is known of light and noise.
     fn judge(&mut self, pair: ScanlinePair<'_>) {
-        // A stand-in has no noise of its own, and second differences span three rows.
-        let is_whole = !(0..3).any(|back| self.is_missing(self.rows.wrapping_sub(back)));
-        if is_whole {
+        if !self.missing.has_any_of_three(self.rows) {
             self.left.measure_noise(pair.left.len());
             self.right.measure_noise(pair.right.len());
         }
@@ -215,7 +199,7 @@ impl<M: Points<ROWS, BLOCKS>, const ROWS: usize, const BLOCKS: usize, C: StageCl
         self.exposure = Exposure::new();
         self.noise = Noise::default();
         self.answers.clear();
-        (self.rows, self.measured, self.answered, self.missing) = (0, 0, 0, 0);
+        (self.rows, self.measured, self.answered, self.missing) = (0, 0, 0, MissingRows::default());
     }
 
     fn push(&mut self, pair: ScanlinePair<'_>, sink: &mut dyn FnMut(DisparityRow<'_>)) -> Result<(), RowError> {
@@ -223,9 +207,9 @@ impl<M: Points<ROWS, BLOCKS>, const ROWS: usize, const BLOCKS: usize, C: StageCl
         self.clock.enter(Stage::Features);
         self.left.raw.push_pixels(pair.left);
         self.right.raw.push_pixels(pair.right);
-        self.missing &= !(1 << (self.rows % 64));
+        self.missing.set(self.rows, false);
         self.judge(pair);
-        self.set_missing(false);
+        self.rows += 1;
         self.advance(sink);
         Ok(())
     }
@@ -234,7 +218,8 @@ impl<M: Points<ROWS, BLOCKS>, const ROWS: usize, const BLOCKS: usize, C: StageCl
         self.clock.enter(Stage::Features);
         self.left.raw.push_again();
         self.right.raw.push_again();
-        self.set_missing(true);
+        self.missing.set(self.rows, true);
+        self.rows += 1;
         self.advance(sink);
     }
 

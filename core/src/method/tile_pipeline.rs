@@ -17,9 +17,11 @@ use crate::matching::alone::Alone;
 use crate::matching::tile::{CellCost, TileRow, TileSettings, Trials};
 use crate::matching::tile_seed::TileSeeds;
 use crate::method::deciding::{CellRows, Matching, MaybePaths};
+use crate::method::missing_rows::MissingRows;
 use crate::method::parts::{Parts, Seeds};
+use crate::method::pipeline::check_capacity;
 use crate::stage::{Stage, StageClock, Untimed};
-use crate::{Config, ConfigError, Disparity, DisparityRow, RowError, ScanlinePair, StereoMethod, blocks_for};
+use crate::{Config, ConfigError, Disparity, DisparityRow, RowError, ScanlinePair, StereoMethod};
 
 /// Rows of the camera by which the newest smoothed row lags behind: half of the widest filter.
 const SMOOTH_LAG: u32 = 2;
@@ -40,7 +42,7 @@ struct Settings {
 
 /// A stereo method by tiles, whose cells come to their labels by `M`.
 ///
-/// `BLOCKS` is the capacity: [`blocks_for`] the widest row. Of the same rows every capacity makes the same answer.
+/// `BLOCKS` is the capacity: [`blocks_for`](crate::blocks_for) the widest row. Of the same rows every capacity makes the same answer.
 #[derive(Debug, Clone)]
 pub struct Tiled<M: Matching, const BLOCKS: usize, C = Untimed> {
     config: Config,
@@ -61,7 +63,7 @@ pub struct Tiled<M: Matching, const BLOCKS: usize, C = Untimed> {
     /// Cell rows answered, and rows delivered so far.
     answered: u32,
     delivered: u32,
-    missing: u32,
+    missing: MissingRows,
     clock: C,
 }
 
@@ -98,11 +100,7 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> Tiled<M, BLOCKS, C> {
     }
 
     fn build(config: Config, parts: Parts, clock: C) -> Result<Self, ConfigError> {
-        config.check()?;
-        if blocks_for(config.width) > BLOCKS {
-            let max_width = u16::try_from(4 * BLOCKS.saturating_sub(blocks_for(0))).unwrap_or(u16::MAX);
-            return Err(ConfigError::Capacity { max_width });
-        }
+        check_capacity(&config, BLOCKS)?;
         Ok(Self {
             config,
             parts,
@@ -120,7 +118,7 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> Tiled<M, BLOCKS, C> {
             rows: 0,
             answered: 0,
             delivered: 0,
-            missing: 0,
+            missing: MissingRows::default(),
             clock,
         })
     }
@@ -346,7 +344,7 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> Tiled<M, BLOCKS, C> {
         self.clock.enter(Stage::Consistency);
         self.delivered += 1;
         let width = usize::from(self.config.width);
-        if self.missing >> (y % 32) & 1 == 1 {
+        if self.missing.has(y) {
             let (unknown, none) = ([[Disparity::UNKNOWN; 4]; BLOCKS], [[0; 4]; BLOCKS]);
             let (disparity, confidence) = (&unknown.as_flattened()[..width], &none.as_flattened()[..width]);
             self.clock.enter(Stage::Output);
@@ -370,9 +368,7 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> Tiled<M, BLOCKS, C> {
     /// Takes the noise of some pixels of the row that came before the newest.
     fn measure_noise(&mut self, width: usize) {
         let Some(sampling) = Sampling::of(self.rows) else { return };
-        // A stand-in has no noise of its own, and second differences span three rows.
-        let is_whole = !(0..3).any(|back| self.missing >> (self.rows.wrapping_sub(back) % 32) & 1 == 1);
-        if self.rows >= 2 && is_whole {
+        if self.rows >= 2 && !self.missing.has_any_of_three(self.rows) {
             let y = i64::from(self.rows) - 1;
             for (view, histogram) in [&self.left, &self.right].into_iter().zip(&mut self.histograms) {
                 let rows = [y - 1, y, y + 1].map(|y| view.raw(y));
@@ -444,13 +440,13 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> StereoMethod for Tiled<M, 
         self.exposure = Exposure::new();
         self.histograms = [NoiseHistogram::new(), NoiseHistogram::new()];
         self.noise = Noise::default();
-        (self.rows, self.answered, self.delivered, self.missing) = (0, 0, 0, 0);
+        (self.rows, self.answered, self.delivered, self.missing) = (0, 0, 0, MissingRows::default());
     }
 
     fn push(&mut self, pair: ScanlinePair<'_>, sink: &mut dyn FnMut(DisparityRow<'_>)) -> Result<(), RowError> {
         pair.check(self.config.width)?;
         self.clock.enter(Stage::Features);
-        self.missing &= !(1 << (self.rows % 32));
+        self.missing.set(self.rows, false);
         self.measure_exposure(pair);
         let gain = self.exposure.gain();
         self.left.push(pair.left, gain);
@@ -465,7 +461,7 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> StereoMethod for Tiled<M, 
         self.clock.enter(Stage::Features);
         self.left.push_again();
         self.right.push_again();
-        self.missing |= 1 << (self.rows % 32);
+        self.missing.set(self.rows, true);
         self.rows += 1;
         self.advance(sink);
     }
