@@ -160,11 +160,11 @@ impl Noise {
     pub(crate) fn of(left: &NoiseHistogram, right: &NoiseHistogram, gain: Gain) -> Self {
         // The lower view decides: texture only ever adds to the estimate.
         let least = |percent| gain.apply(left.percentile(percent).min(right.percentile(percent)));
-        // sigma 2.5, 5 and 15 grey levels at the 30th percentile
+        // sigma 2.2, 4 and 15 grey levels at the 30th percentile
         let level = match least(30) {
-            0..110 => SmoothingLevel::Off,
-            110..150 => SmoothingLevel::Light,
-            150..554 => SmoothingLevel::Medium,
+            0..90 => SmoothingLevel::Off,
+            90..130 => SmoothingLevel::Light,
+            130..554 => SmoothingLevel::Medium,
             _ => SmoothingLevel::Strong,
         };
         Self { floor: u16::try_from(least(10)).unwrap_or(u16::MAX), level }

@@ -21,7 +21,7 @@ const LIKE_APART: core::ops::RangeInclusive<usize> = 6..=40;
 /// Marks a contour without a partner: a row has at most 160.
 const NOBODY: u32 = u32::MAX;
 /// Percent of the least cost by which the second least must exceed it, as `second * 5 > best * UNIQUENESS`.
-const UNIQUENESS: u32 = 8;
+const UNIQUENESS: u32 = 6;
 
 /// A contour.
 #[derive(Debug, Clone, Copy)]

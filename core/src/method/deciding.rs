@@ -46,7 +46,7 @@ impl Matching for Agreeing {
 
     fn costs(is_noisy: bool) -> (OwnCost, Penalties) {
         if is_noisy {
-            (OwnCost { shift: 2 }, Penalties::new(7, 34))
+            (OwnCost { shift: 2 }, Penalties::new(5, 34))
         } else {
             (OwnCost { shift: 1 }, Penalties::new(4, 24))
         }
@@ -63,7 +63,7 @@ impl Matching for Lonely {
 
     fn costs(is_noisy: bool) -> (SharedCost, Penalties) {
         if is_noisy {
-            (SharedCost { cell: 160, tile: 24 }, Penalties::new(3, 16))
+            (SharedCost { cell: 180, tile: 30 }, Penalties::new(2, 16))
         } else {
             (SharedCost { cell: 88, tile: 10 }, Penalties::new(1, 3))
         }

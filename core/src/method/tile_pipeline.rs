@@ -129,7 +129,7 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> Tiled<M, BLOCKS, C> {
         let contour = if M::AGREEMENT { 4 } else { 5 };
         let (clips, contour_threshold, near, far) = match self.noise.level {
             SmoothingLevel::Off | SmoothingLevel::Light => (Clips::new(15, 4), 2, 4, 24),
-            SmoothingLevel::Medium => (Clips::new(31, 0), contour, 6, 24),
+            SmoothingLevel::Medium => (Clips::new(31, 0), contour, 6, 32),
             SmoothingLevel::Strong => (Clips::new(31, 0), contour, 16, 96),
         };
         Settings {
