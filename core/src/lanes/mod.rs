@@ -1,18 +1,25 @@
 //! Arithmetic on four bytes at once, in one word of 32 bits.
 //!
-//! Lane 0 is the least significant byte. Each operation exists twice: in portable code, and as one or two
-//! instructions of the DSP extension of Cortex-M4, M7 and M33 (ARM DDI 0403, chapter A7). `build.rs` selects by the
-//! target; both are held against each other over random and extreme input, on the host and in the emulator.
+//! Lane 0 is the least significant byte. Each operation exists three times: in portable code, as one or two
+//! instructions of the DSP extension of Cortex-M4, M7 and M33 (ARM DDI 0403, chapter A7), and as some of SSE2. `build.rs`
+//! selects by the target; they are held against each other over random and extreme input, on the host and in the emulator.
 
 #[cfg(haarline_dsp)]
 mod cortex_m;
-#[cfg(not(haarline_dsp))]
+#[cfg(any(not(any(haarline_dsp, haarline_sse2)), test))]
+#[cfg_attr(any(haarline_dsp, haarline_sse2), allow(dead_code, reason = "what the others are held against"))]
 mod portable;
+#[cfg(haarline_sse2)]
+pub(crate) mod quad;
+#[cfg(haarline_sse2)]
+mod x86_64;
 
 #[cfg(haarline_dsp)]
 pub(crate) use cortex_m::*;
-#[cfg(not(haarline_dsp))]
+#[cfg(not(any(haarline_dsp, haarline_sse2)))]
 pub(crate) use portable::*;
+#[cfg(haarline_sse2)]
+pub(crate) use x86_64::*;
 
 pub(crate) mod rows;
 
