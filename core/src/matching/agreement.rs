@@ -7,7 +7,7 @@ use crate::lanes::{ONES, add, difference, least, min, select_ge, splat, sub, wra
 
 /// What a change of the label from one cell to the next costs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Penalties {
+pub struct Penalties {
     /// By one.
     slope: u32,
     /// By more, in each lane.

@@ -19,9 +19,10 @@ struct Column {
     labels: u32,
     /// Costs of the upper and the lower cell.
     costs: [u32; 2],
-    /// Sums of the paths from the left.
-    from_left: [u32; 2],
-    /// Of the lower cell above: sums of the path from the top, of all paths so far, and its costs.
+    /// Sums of the paths along the row.
+    along: [u32; 2],
+    /// Of the lower cell above: sums of the path from the top and then what they tell the cell below, sums of all paths so
+    /// far, and its costs.
     from_top: u32,
     pending: u32,
     costs_above: u32,
@@ -35,7 +36,7 @@ pub struct Paths<const WORDS: usize> {
 
 impl<const WORDS: usize> Paths<WORDS> {
     pub(crate) const fn new() -> Self {
-        let nothing = Column { labels: 0, costs: [0; 2], from_left: [0; 2], from_top: 0, pending: 0, costs_above: 0 };
+        let nothing = Column { labels: 0, costs: [0; 2], along: [0; 2], from_top: 0, pending: 0, costs_above: 0 };
         Self { columns: [nothing; WORDS] }
     }
 
@@ -67,9 +68,31 @@ impl<const WORDS: usize> Paths<WORDS> {
             };
             for row in 0..2 {
                 let sum = extend(first.costs[row], messages[row]);
-                first.from_left[row] = sum;
+                first.along[row] = sum;
                 sums[row] = extend(second.costs[row], penalties.same_labels(sum, steps));
-                second.from_left[row] = sums[row];
+                second.along[row] = sums[row];
+            }
+            before = Some(labels);
+        }
+    }
+
+    /// The paths from the right, added to those from the left.
+    #[inline(never)]
+    fn pass_leftwards(&mut self, tiles: usize, penalties: Penalties) {
+        let mut sums = [0; 2];
+        let mut before = None;
+        for [first, second] in self.tiles(tiles).iter_mut().rev() {
+            let labels = first.labels;
+            let steps = penalties.steps(labels);
+            let messages = match before {
+                Some(before) if before != labels => penalties.both_other_labels(sums, before, labels),
+                _ => sums.map(|sums| penalties.same_labels(sums, steps)),
+            };
+            for row in 0..2 {
+                let sum = extend(second.costs[row], messages[row]);
+                second.along[row] = add(second.along[row], sum);
+                sums[row] = extend(first.costs[row], penalties.same_labels(sum, steps));
+                first.along[row] = add(first.along[row], sums[row]);
             }
             before = Some(labels);
         }
@@ -81,66 +104,71 @@ impl<const WORDS: usize> Paths<WORDS> {
     /// - `rows`: the cell row above, if there is one, the upper and the lower one of the tiles.
     #[inline(never)]
     pub(crate) fn agree(&mut self, tiles: usize, penalties: Penalties, is_first: bool, rows: [&mut CellRow<WORDS>; 3]) {
+        self.pass_leftwards(tiles, penalties);
         let [above_row, upper_row, lower_row] = rows;
-        let above_cells = above_row.tiles(tiles);
-        let upper_cells = upper_row.tiles(tiles);
-        let lower_labels = lower_row.tiles(tiles).label;
-        let columns = self.tiles(tiles);
-        let mut right = [0; 2];
-        let mut after = None;
-        for tile in (0..tiles).rev() {
-            let pair = &mut columns[tile];
-            let labels = pair[0].labels;
-            let above = pair[1].labels;
-            pair[1].labels = labels;
-            let steps = penalties.steps(labels);
-            let mut messages = match after {
-                Some(after) if after != labels => penalties.both_other_labels(right, after, labels),
-                _ => right.map(|sums| penalties.same_labels(sums, steps)),
-            };
-            after = Some(labels);
-            // What the cells above tell these, and what is between these and those above.
-            let from_above = [pair[0].from_top, pair[1].from_top];
-            let (steps_above, from_above, prices) = if is_first {
-                (steps, [0; 2], None)
-            } else if above == labels {
-                (steps, from_above.map(|sums| penalties.same_labels(sums, steps)), None)
+        if is_first {
+            self.tiles(tiles).iter_mut().flatten().for_each(|column| column.from_top = 0);
+        } else {
+            self.decide_above(tiles, penalties, above_row);
+        }
+        self.decide(tiles, penalties, upper_row, lower_row);
+    }
+
+    /// Decides the cells above, now that those below them have their say.
+    #[inline(never)]
+    fn decide_above(&mut self, tiles: usize, penalties: Penalties, row: &mut CellRow<WORDS>) {
+        let cells = row.tiles(tiles);
+        let cells = cells.value.iter_mut().zip(cells.label).zip(cells.merit);
+        for (pair, ((value, label), merit)) in self.tiles(tiles).iter_mut().zip(cells) {
+            let (labels, above) = (pair[0].labels, pair[1].labels);
+            let steps = penalties.steps(above);
+            let upper = [normalised(pair[0].along[0]), normalised(pair[1].along[0])];
+            let from_top = [pair[0].from_top, pair[1].from_top];
+            let (from_below, from_above) = if above == labels {
+                let same = |sums: u32| penalties.same_labels(sums, steps);
+                (upper.map(same), from_top.map(same))
             } else {
                 let prices = penalties.between(above, labels);
-                let messages = from_above.map(|sums| penalties.other_labels(sums, &prices));
-                (penalties.steps(above), messages, Some(prices.reversed()))
+                let from_above = from_top.map(|sums| penalties.other_labels(sums, &prices));
+                let prices = prices.reversed();
+                (upper.map(|sums| penalties.other_labels(sums, &prices)), from_above)
             };
-            for half in [1, 0] {
+            for half in 0..2 {
                 let column = &mut pair[half];
-                if half == 0 {
-                    messages = right.map(|sums| penalties.same_labels(sums, steps));
-                }
-                right = [extend(column.costs[0], messages[0]), extend(column.costs[1], messages[1])];
-                let along = [add(column.from_left[0], right[0]), add(column.from_left[1], right[1])];
-                if !is_first {
-                    let upper = normalised(along[0]);
-                    let message = match &prices {
-                        None => penalties.same_labels(upper, steps),
-                        Some(prices) => penalties.other_labels(upper, prices),
-                    };
-                    let found = winner(extend(column.pending, message), above, column.costs_above, steps_above.both());
-                    above_cells.value[tile][half] = found.value;
-                    above_cells.label[tile][half] = found.label;
-                    above_cells.merit[tile][half] = found.merit;
-                }
-                let top = extend(column.costs[0], from_above[half]);
-                let lower = penalties.same_labels(normalised(along[1]), steps);
-                let sums = add(along[0], top);
-                let found = winner(extend(sums, lower), labels, column.costs[0], steps.both());
-                upper_cells.value[tile][half] = found.value;
-                upper_cells.label[tile][half] = found.label;
-                upper_cells.merit[tile][half] = found.merit;
-                let lower_top = extend(column.costs[1], penalties.same_labels(top, steps));
-                let sums = normalised(add(along[1], lower_top));
-                lower_labels[tile][half] = label(sums, labels);
+                column.from_top = from_above[half];
+                let found = winner(extend(column.pending, from_below[half]), above, column.costs_above, steps.both());
+                value[half] = found.value;
+                label[half] = found.label;
+                merit[half] = found.merit;
+            }
+        }
+    }
+
+    /// The paths from the top, and from below within the tiles: decides the upper cells, and for the time being the lower ones.
+    #[inline(never)]
+    fn decide(&mut self, tiles: usize, penalties: Penalties, upper: &mut CellRow<WORDS>, lower: &mut CellRow<WORDS>) {
+        let cells = upper.tiles(tiles);
+        let cells = cells.value.iter_mut().zip(cells.label).zip(cells.merit).zip(lower.tiles(tiles).label);
+        for (pair, (((value, upper_label), merit), lower_label)) in self.tiles(tiles).iter_mut().zip(cells) {
+            let labels = pair[0].labels;
+            pair[1].labels = labels;
+            let steps = penalties.steps(labels);
+            for half in 0..2 {
+                let column = &mut pair[half];
+                let [costs, costs_below] = column.costs;
+                let [along, along_below] = column.along;
+                let top = extend(costs, column.from_top);
+                let lower = penalties.same_labels(normalised(along_below), steps);
+                let found = winner(extend(add(along, top), lower), labels, costs, steps.both());
+                value[half] = found.value;
+                upper_label[half] = found.label;
+                merit[half] = found.merit;
+                let lower_top = extend(costs_below, penalties.same_labels(top, steps));
+                let sums = normalised(add(along_below, lower_top));
+                lower_label[half] = label(sums, labels);
                 column.from_top = lower_top;
                 column.pending = sums;
-                column.costs_above = column.costs[1];
+                column.costs_above = costs_below;
             }
         }
     }

@@ -19,8 +19,8 @@ const MOST: usize = 16;
 
 /// What the search of the tiles is told.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct TileSettings {
-    pub(crate) cost: CellCost,
+pub(crate) struct TileSettings<C> {
+    pub(crate) cost: C,
     /// What the tile pays for a label one from that of its left or upper neighbour.
     pub(crate) near: u32,
     /// The same for a label further away.
@@ -30,12 +30,56 @@ pub(crate) struct TileSettings {
 }
 
 /// What a label costs a cell, at most 255.
+pub trait CellCost: Copy {
+    /// What four labels cost each of the four cells, a label a lane.
+    ///
+    /// - `cells`: for each label the sums of the cells, two in a word: the upper and the lower ones.
+    /// - `tile`: for each label the sum of the tile.
+    fn of(self, cells: [[u32; 2]; 4], tile: [u32; 4]) -> [u32; 4];
+}
+
+/// The cell's own sum, divided by 2 to this power.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum CellCost {
-    /// The cell's own sum, divided by 2 to this power.
-    Own { shift: u32 },
-    /// `(cell * its own sum + tile * the tile's sum) / 256`.
-    Shared { cell: u32, tile: u32 },
+pub struct OwnCost {
+    pub(crate) shift: u32,
+}
+
+/// `(cell * its own sum + tile * the tile's sum) / 256`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct SharedCost {
+    pub(crate) cell: u32,
+    pub(crate) tile: u32,
+}
+
+impl CellCost for OwnCost {
+    #[inline(always)]
+    fn of(self, [a, b, c, d]: [[u32; 2]; 4], _: [u32; 4]) -> [u32; 4] {
+        let keep = (0xffff >> self.shift) * 0x0001_0001;
+        let row = |row: usize| {
+            let cost = |cells: [u32; 2]| saturated_halves(cells[row] >> self.shift & keep);
+            let (first, second) = (cost(a) | cost(b) << 8, cost(c) | cost(d) << 8);
+            [first & 0xffff | second << 16, first >> 16 | second & 0xffff_0000]
+        };
+        let ([a, b], [c, d]) = (row(0), row(1));
+        [a, b, c, d]
+    }
+}
+
+impl CellCost for SharedCost {
+    #[inline(always)]
+    fn of(self, [a, b, c, d]: [[u32; 2]; 4], tile: [u32; 4]) -> [u32; 4] {
+        let [e, f, g, h] = tile.map(|sum| self.tile * sum);
+        let cost = |own: u32, shared: u32| saturated_byte(self.cell * own + shared);
+        let low = |row: usize| {
+            let own = |cells: [u32; 2]| cells[row] & 0xffff;
+            cost(own(a), e) | cost(own(b), f) << 8 | cost(own(c), g) << 16 | cost(own(d), h) << 24
+        };
+        let high = |row: usize| {
+            let own = |cells: [u32; 2]| cells[row] >> 16;
+            cost(own(a), e) | cost(own(b), f) << 8 | cost(own(c), g) << 16 | cost(own(d), h) << 24
+        };
+        [low(0), high(0), low(1), high(1)]
+    }
 }
 
 /// The four labels of a tile, ascending, and what each costs each of its cells.
@@ -94,22 +138,22 @@ const fn sum_of(key: u32) -> u32 {
 
 /// The features of a row of tiles in both views, and what is searched in them.
 #[derive(Clone, Copy)]
-pub(crate) struct TileRow<'a, const WORDS: usize> {
-    pub(crate) left: &'a [Row<WORDS>; 4],
-    pub(crate) right: &'a [Row<WORDS>; 4],
+pub(crate) struct TileRow<'a, C, const WORDS: usize> {
+    left: &'a [Row<WORDS>; 4],
+    right: &'a [Row<WORDS>; 4],
     /// Columns of a row, rounded up to words.
     columns: i32,
     min_disparity: i32,
     num_disparities: i32,
-    settings: TileSettings,
+    settings: TileSettings<C>,
 }
 
-impl<'a, const WORDS: usize> TileRow<'a, WORDS> {
+impl<'a, C: CellCost, const WORDS: usize> TileRow<'a, C, WORDS> {
     pub(crate) fn new(
         config: &Config,
         left: &'a [Row<WORDS>; 4],
         right: &'a [Row<WORDS>; 4],
-        settings: TileSettings,
+        settings: TileSettings<C>,
     ) -> Self {
         Self {
             left,
@@ -156,71 +200,59 @@ impl<'a, const WORDS: usize> TileRow<'a, WORDS> {
             trials.put(tile, (lowest + highest) / 2, 0);
             len = 1;
         }
-        let mut search = Search { row: self, trials, tile, origin: origin as usize, len };
-        let settings = &self.settings;
-        let mut best = 0;
-        let mut least = u32::MAX;
-        let mut consider = |key: u32| {
-            // What is no better before it pays for its neighbours is none afterwards.
-            if sum_of(key) < least {
-                let sum = sum_of(key) + settings.lean(left, label_of(key)) + settings.lean(above, label_of(key));
-                if sum < least {
-                    (least, best) = (sum, key);
-                }
-            }
-            best
-        };
-        let mut best = 0;
+        let origin = origin as usize;
+        let mut search = Search { row: self, trials, tile, origin, len, left, above, best: 0, least: u32::MAX };
         for i in 0..len {
             let key = search.evaluate(i);
-            best = consider(key);
-        }
-        if !settings.extremum {
-            return search.keep_few(best, [None; 2]);
+            search.consider(key);
         }
         // The extremum search with its shortest support: the costs one step before and one after, and a step downhill.
-        let start = best;
-        let around = |key: u32| {
-            let label = label_of(key);
-            [(label > lowest).then(|| label - 1), (label < highest).then(|| label + 1)]
-        };
-        let [before, after] = around(start);
-        let mut sides = [before.map(|label| search.at(label)), after.map(|label| search.at(label))];
-        for side in sides.into_iter().flatten() {
-            best = consider(side);
+        let start = search.best;
+        let label = label_of(start);
+        if label <= lowest || label >= highest || !self.settings.extremum {
+            return search.search_at_end(lowest, highest);
         }
-        if best != start {
-            let second = best;
-            let is_down = label_of(best) < label_of(start);
-            let next = around(second)[usize::from(!is_down)].map(|label| search.at(label));
-            sides = if is_down { [next, Some(start)] } else { [Some(start), next] };
-            if let Some(next) = next {
-                best = consider(next);
-            }
-            if best != second {
-                // What lies beyond the last step is not looked at.
-                sides = if is_down { [None, Some(second)] } else { [Some(second), None] };
-            }
+        let (before, after) = (search.at(label - 1), search.at(label + 1));
+        search.consider(before);
+        search.consider(after);
+        let second = search.best;
+        if second == start {
+            return search.keep(start, before, after);
         }
-        match sides {
-            [Some(before), Some(after)] => search.keep(best, before, after),
-            sides => search.keep_few(best, sides),
+        let is_down = second == before;
+        let beyond = if is_down { label.wrapping_sub(2) } else { label + 2 };
+        if beyond < lowest || beyond > highest {
+            return search.keep_few(second, if is_down { [None, Some(start)] } else { [Some(start), None] });
         }
+        let next = search.at(beyond);
+        search.consider(next);
+        if search.best != second {
+            // What lies beyond the last step is not looked at.
+            return search.keep_few(next, if is_down { [None, Some(second)] } else { [Some(second), None] });
+        }
+        let (before, after) = if is_down { (next, start) } else { (start, next) };
+        search.keep(second, before, after)
     }
 }
 
 /// The search of one tile.
-struct Search<'a, const WORDS: usize> {
-    row: &'a TileRow<'a, WORDS>,
+struct Search<'a, C, const WORDS: usize> {
+    row: &'a TileRow<'a, C, WORDS>,
     trials: &'a mut Trials,
     tile: usize,
     /// The byte of the right row that label 0 begins at.
     origin: usize,
     /// How many labels are on the list.
     len: usize,
+    /// What the neighbours decided.
+    left: u32,
+    above: u32,
+    /// The best trial so far, and its sum with what it pays for its neighbours.
+    best: u32,
+    least: u32,
 }
 
-impl<const WORDS: usize> Search<'_, WORDS> {
+impl<C: CellCost, const WORDS: usize> Search<'_, C, WORDS> {
     /// The trial of a label, after trying it if that was not done.
     #[inline(always)]
     fn at(&mut self, label: u32) -> u32 {
@@ -246,11 +278,57 @@ impl<const WORDS: usize> Search<'_, WORDS> {
         key
     }
 
+    /// Makes a trial the best if it is.
+    #[inline(always)]
+    fn consider(&mut self, key: u32) {
+        let settings = &self.row.settings;
+        // What is no better before it pays for its neighbours is none afterwards.
+        if sum_of(key) < self.least {
+            let label = label_of(key);
+            let sum = sum_of(key) + settings.lean(self.left, label) + settings.lean(self.above, label);
+            if sum < self.least {
+                (self.least, self.best) = (sum, key);
+            }
+        }
+    }
+
+    /// The extremum step, if it is taken at all, from a label at an end of the range.
+    #[cold]
+    #[inline(never)]
+    fn search_at_end(&mut self, lowest: u32, highest: u32) -> Tile {
+        if !self.row.settings.extremum {
+            return self.keep_few(self.best, [None; 2]);
+        }
+        let start = self.best;
+        let around = |key: u32| {
+            let label = label_of(key);
+            [(label > lowest).then(|| label - 1), (label < highest).then(|| label + 1)]
+        };
+        let mut sides = around(start).map(|label| label.map(|label| self.at(label)));
+        for side in sides.into_iter().flatten() {
+            self.consider(side);
+        }
+        if self.best != start {
+            let second = self.best;
+            let is_down = label_of(second) < label_of(start);
+            let next = around(second)[usize::from(!is_down)].map(|label| self.at(label));
+            sides = if is_down { [next, Some(start)] } else { [Some(start), next] };
+            if let Some(next) = next {
+                self.consider(next);
+            }
+            if self.best != second {
+                sides = if is_down { [None, Some(second)] } else { [Some(second), None] };
+            }
+        }
+        self.keep_few(self.best, sides)
+    }
+
     /// The best, those one step before and after it, and the cheapest of the others.
     #[inline(always)]
     fn keep(&self, best: u32, before: u32, after: u32) -> Tile {
-        let other = self.cheapest_beside(best);
         let three = label_of(best) * 0x0001_0101 + 0x0001_0000 - 1;
+        // These three are on the list.
+        let other = if self.len == 3 { u32::MAX } else { self.cheapest_beside(best) };
         if other == u32::MAX {
             // The last label again, at a cost that nobody takes.
             let labels = three | label_of(after) << 24;
@@ -277,7 +355,7 @@ impl<const WORDS: usize> Search<'_, WORDS> {
         other
     }
 
-    /// The same at an end of the range.
+    /// The same where not both are known.
     #[cold]
     #[inline(never)]
     fn keep_few(&self, best: u32, [before, after]: [Option<u32>; 2]) -> Tile {
@@ -306,30 +384,7 @@ impl<const WORDS: usize> Search<'_, WORDS> {
     #[inline(always)]
     fn costs(&self, keys: [u32; 4]) -> [u32; 4] {
         let cells = keys.map(|key| self.trials.cells[(key >> 8) as usize % MOST]);
-        match self.row.settings.cost {
-            CellCost::Own { shift } => {
-                let keep = (0xffff >> shift) * 0x0001_0001;
-                let costs = |row: usize| {
-                    let [a, b, c, d] = cells;
-                    let cost = |cells: [u32; 2]| saturated_halves(cells[row] >> shift & keep);
-                    let (first, second) = (cost(a) | cost(b) << 8, cost(c) | cost(d) << 8);
-                    [first & 0xffff | second << 16, first >> 16 | second & 0xffff_0000]
-                };
-                let ([a, b], [c, d]) = (costs(0), costs(1));
-                [a, b, c, d]
-            }
-            CellCost::Shared { cell, tile } => {
-                let shared = keys.map(|key| tile * sum_of(key));
-                [(0, 0), (0, 16), (1, 0), (1, 16)].map(|(row, shift)| {
-                    let mut costs = 0;
-                    for i in 0..4 {
-                        let own = cells[i][row] >> shift & 0xffff;
-                        costs |= saturated_byte(cell * own + shared[i]) << (8 * i);
-                    }
-                    costs
-                })
-            }
-        }
+        self.row.settings.cost.of(cells, keys.map(sum_of))
     }
 }
 
@@ -338,7 +393,7 @@ impl Tile {
     const NOWHERE: Self = Self { labels: 0, costs: [u32::MAX; 4], best: 0 };
 }
 
-impl TileSettings {
+impl<C> TileSettings<C> {
     /// What a label pays for not being that of a neighbour; nothing if there is none.
     #[inline(always)]
     fn lean(&self, to: u32, label: u32) -> u32 {

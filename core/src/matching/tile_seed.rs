@@ -190,6 +190,13 @@ impl<const WORDS: usize> TileSeeds<WORDS> {
         &self.rivals[(tile_row / 2 % 2) as usize][half..half + tiles]
     }
 
+    /// Puts other seeds in the place of those of the contours.
+    pub(crate) fn replace(&mut self, tiles: usize, seeds: impl Fn(u32) -> [u16; 2]) {
+        for (tile, nearest) in (0..).zip(&mut self.nearest[..tiles]) {
+            *nearest = seeds(tile);
+        }
+    }
+
     /// Labels of the nearest seeds on either side of a tile; more than 255 where there is none.
     #[inline]
     pub(crate) fn nearest(&self, tile: usize) -> [u16; 2] {

@@ -8,18 +8,25 @@
 
 use crate::answer::cell_row::CellRow;
 use crate::front_end::camera_view::FeatureRows;
+use crate::matching::agreement::Penalties;
 use crate::matching::path::Paths;
+use crate::matching::tile::{CellCost, OwnCost, SharedCost};
 
 /// How the cells of a method by tiles come to their labels, and what is kept for that.
 pub trait Matching: Sealed {
     /// Whether neighbouring cells agree on their labels; else each decides alone.
     const AGREEMENT: bool;
+    /// What a label costs a cell.
+    type Cost: CellCost;
     /// The paths of the agreement.
     type Paths<const WORDS: usize>: MaybePaths<WORDS> + Clone + core::fmt::Debug;
     /// Features of a view: those of the row of tiles that comes in, of the one that is matched and of the one that is answered.
     type Features<const WORDS: usize>: FeatureRows<WORDS> + Clone + core::fmt::Debug;
     /// Cell rows: three for an answer and those under way.
     type Cells<const WORDS: usize>: CellRows<WORDS> + Clone + core::fmt::Debug;
+    /// What a label costs a cell, and what it pays for its neighbours' not having it.
+    #[doc(hidden)]
+    fn costs(is_noisy: bool) -> (Self::Cost, Penalties);
 }
 
 /// Neighbouring cells agree.
@@ -32,17 +39,31 @@ pub enum Lonely {}
 
 impl Matching for Agreeing {
     const AGREEMENT: bool = true;
+    type Cost = OwnCost;
     type Paths<const WORDS: usize> = Paths<WORDS>;
     type Features<const WORDS: usize> = [[[u32; WORDS]; 4]; 3];
     type Cells<const WORDS: usize> = [CellRow<WORDS>; 5];
+
+    fn costs(is_noisy: bool) -> (OwnCost, Penalties) {
+        if is_noisy { (OwnCost { shift: 2 }, Penalties::new(7, 34)) } else { (OwnCost { shift: 1 }, Penalties::new(4, 24)) }
+    }
 }
 
 impl Matching for Lonely {
     const AGREEMENT: bool = false;
+    type Cost = SharedCost;
     type Paths<const WORDS: usize> = ();
     // A row of tiles is answered before its lower half is overwritten.
     type Features<const WORDS: usize> = [[[u32; WORDS]; 4]; 2];
     type Cells<const WORDS: usize> = [CellRow<WORDS>; 4];
+
+    fn costs(is_noisy: bool) -> (SharedCost, Penalties) {
+        if is_noisy {
+            (SharedCost { cell: 160, tile: 24 }, Penalties::new(3, 16))
+        } else {
+            (SharedCost { cell: 88, tile: 10 }, Penalties::new(1, 3))
+        }
+    }
 }
 
 /// Closes [`Matching`] to others.

@@ -14,7 +14,7 @@ use crate::front_end::noise::{Noise, NoiseHistogram, SmoothingLevel};
 use crate::lanes::rows::Clips;
 use crate::matching::agreement::Penalties;
 use crate::matching::alone::Alone;
-use crate::matching::tile::{CellCost, TileRow, TileSettings, Trials};
+use crate::matching::tile::{TileRow, TileSettings, Trials};
 use crate::matching::tile_seed::TileSeeds;
 use crate::method::deciding::{CellRows, Matching, MaybePaths};
 use crate::method::missing_rows::MissingRows;
@@ -32,11 +32,11 @@ const CELL_HEIGHT: u32 = 2;
 
 /// What depends on the noise.
 #[derive(Clone, Copy)]
-struct Settings {
+struct Settings<C> {
     clips: Clips,
     contour_threshold: u32,
     strong_noise: bool,
-    tile: TileSettings,
+    tile: TileSettings<C>,
     penalties: Penalties,
 }
 
@@ -123,14 +123,9 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> Tiled<M, BLOCKS, C> {
         })
     }
 
-    fn settings(&self) -> Settings {
+    fn settings(&self) -> Settings<M::Cost> {
         let extremum = self.parts.extremum;
-        let (cost, penalties) = match (M::AGREEMENT, self.noise.level >= SmoothingLevel::Medium) {
-            (true, false) => (CellCost::Own { shift: 1 }, Penalties::new(4, 24)),
-            (true, true) => (CellCost::Own { shift: 2 }, Penalties::new(7, 34)),
-            (false, false) => (CellCost::Shared { cell: 88, tile: 10 }, Penalties::new(1, 3)),
-            (false, true) => (CellCost::Shared { cell: 160, tile: 24 }, Penalties::new(3, 16)),
-        };
+        let (cost, penalties) = M::costs(self.noise.level >= SmoothingLevel::Medium);
         let contour = if M::AGREEMENT { 4 } else { 5 };
         let (clips, contour_threshold, near, far) = match self.noise.level {
             SmoothingLevel::Off | SmoothingLevel::Light => (Clips::new(15, 4), 2, 4, 24),
@@ -198,7 +193,7 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> Tiled<M, BLOCKS, C> {
     }
 
     #[inline(never)]
-    fn find_contours(&mut self, tile_row: u32, settings: Settings) {
+    fn find_contours(&mut self, tile_row: u32, settings: Settings<M::Cost>) {
         self.clock.enter(Stage::Contours);
         let words = words_for(usize::from(self.config.width));
         let views = [&self.left, &self.right];
@@ -210,11 +205,28 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> Tiled<M, BLOCKS, C> {
         let tiles = self.tiles();
         let views = [self.left.tiles(tile_row), self.right.tiles(tile_row)];
         self.seeds.pair(&self.config, tile_row, views, tiles);
+        let range = self.config.num_disparities;
+        match self.parts.seeds {
+            Seeds::Contours => {}
+            Seeds::None => self.seeds.replace(tiles, |_| [u16::MAX; 2]),
+            Seeds::Random(seed) => self.seeds.replace(tiles, |tile| {
+                [0, 1].map(|i| {
+                    let number = (tile_row * 1024 + tile) * 2 + i;
+                    (scramble(seed ^ scramble(number)) % u32::from(range)) as u16
+                })
+            }),
+            Seeds::Grid => self.seeds.replace(tiles, |tile| {
+                [0, 1].map(|i| {
+                    let step = (tile_row * 5 + tile * 3) % 8 + 8 * i;
+                    (step * u32::from(range) / 16) as u16
+                })
+            }),
+        }
     }
 
     /// Labels of the tiles, and the paths from the left; without agreement the cells, too.
     #[inline(never)]
-    fn search(&mut self, tile_row: u32, settings: Settings) {
+    fn search(&mut self, tile_row: u32, settings: Settings<M::Cost>) {
         self.clock.enter(Stage::Blocks);
         let tiles = self.tiles();
         let row = TileRow::new(&self.config, self.left.tiles(tile_row), self.right.tiles(tile_row), settings.tile);
@@ -235,18 +247,7 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> Tiled<M, BLOCKS, C> {
         for tile in 0..tiles {
             let next = pair(tile + 1);
             let ([a, b], after) = (here, next[0]);
-            let seeds = match self.parts.seeds {
-                Seeds::Contours => self.seeds.nearest(tile).map(u32::from),
-                Seeds::Random(seed) => [0, 1].map(|i| {
-                    let number = (tile_row * 1024 + tile as u32) * 2 + i;
-                    scramble(seed ^ scramble(number)) % u32::from(self.config.num_disparities)
-                }),
-                Seeds::Grid => [0, 1].map(|i| {
-                    let step = (tile_row * 5 + tile as u32 * 3) % 8 + 8 * i;
-                    step * u32::from(self.config.num_disparities) / 16
-                }),
-                Seeds::None => [NOBODY; 2],
-            };
+            let seeds = self.seeds.nearest(tile).map(u32::from);
             let hypotheses = [a, b, before, after, left, seeds[0], seeds[1]];
             let found = row.search(&mut trials, tile, hypotheses, left, a);
             left = found.best;
@@ -268,7 +269,7 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> Tiled<M, BLOCKS, C> {
     }
 
     /// The agreement of the cells.
-    fn agree(&mut self, tile_row: u32, settings: Settings) {
+    fn agree(&mut self, tile_row: u32, settings: Settings<M::Cost>) {
         let tiles = self.tiles();
         if let Some(paths) = self.paths.paths().filter(|_| self.parts.agreement) {
             self.clock.enter(Stage::Agreement);
