@@ -354,3 +354,40 @@ pub(crate) unsafe fn flip_eights(from: *const u32, to: *mut u32, eights: usize) 
         );
     }
 }
+
+/// The widest rows that [`tile_sad_words`] takes: LDRD reaches 1020 bytes far.
+pub(crate) const MOST_TILE_SAD_WORDS: usize = 1020 / 12;
+
+/// `WORDS` words in bytes, 0 beyond [`MOST_TILE_SAD_WORDS`].
+const fn tile_sad_offset(words: usize) -> usize {
+    if words > MOST_TILE_SAD_WORDS { 0 } else { 4 * words }
+}
+
+/// Sums of absolute differences of two words by four rows, that lie `WORDS` words apart: left and right of the upper two
+/// rows, then of the lower two. In one piece, so that nothing is put aside in between.
+///
+/// # Safety
+/// Both must be readable for two words in each of the four rows; there may be [`MOST_TILE_SAD_WORDS`] words at most.
+#[inline(always)]
+pub(crate) unsafe fn tile_sad_words<const WORDS: usize>(left: *const u32, right: *const u8) -> [u32; 4] {
+    let (a, b, c, d);
+    // SAFETY: reads what the caller promises.
+    unsafe {
+        asm!(
+            "ldrd {x}, {y}, [{l}]", "ldr {v}, [{r}]", "ldr {w}, [{r}, #4]",
+            "usad8 {a}, {x}, {v}", "usad8 {b}, {y}, {w}",
+            "ldrd {x}, {y}, [{l}, #{one}]", "ldr {v}, [{r}, #{one}]", "ldr {w}, [{r}, #{one} + 4]",
+            "usada8 {a}, {x}, {v}, {a}", "usada8 {b}, {y}, {w}, {b}",
+            "ldrd {x}, {y}, [{l}, #{two}]", "ldr {v}, [{r}, #{two}]", "ldr {w}, [{r}, #{two} + 4]",
+            "usad8 {c}, {x}, {v}", "usad8 {d}, {y}, {w}",
+            "ldrd {x}, {y}, [{l}, #{three}]", "ldr {v}, [{r}, #{three}]", "ldr {w}, [{r}, #{three} + 4]",
+            "usada8 {c}, {x}, {v}, {c}", "usada8 {d}, {y}, {w}, {d}",
+            l = in(reg) left, r = in(reg) right, a = out(reg) a, b = out(reg) b, c = out(reg) c, d = out(reg) d,
+            x = out(reg) _, y = out(reg) _, v = out(reg) _, w = out(reg) _,
+            one = const { tile_sad_offset(WORDS) }, two = const { 2 * tile_sad_offset(WORDS) },
+            three = const { 3 * tile_sad_offset(WORDS) },
+            options(pure, readonly, nostack, preserves_flags)
+        );
+    }
+    [a, b, c, d]
+}

@@ -239,6 +239,12 @@ pub(crate) fn tile_sad<const BLOCKS: usize>(
     right: usize,
 ) -> [u32; 4] {
     assert!(left + 2 <= BLOCKS && right + 8 <= 4 * BLOCKS);
+    #[cfg(haarline_dsp)]
+    if BLOCKS <= super::MOST_TILE_SAD_WORDS {
+        let (first, other) = (left_rows.as_flattened().as_ptr(), right_rows.as_flattened().as_ptr());
+        // SAFETY: checked above; the four rows lie one behind the other.
+        return unsafe { super::tile_sad_words::<BLOCKS>(first.add(left), other.cast::<u8>().add(right)) };
+    }
     let mut sums = [0; 4];
     for (y, (a, b)) in left_rows.iter().zip(right_rows).enumerate() {
         // SAFETY: checked above.

@@ -31,10 +31,7 @@ impl Alone {
         let beside = penalties.steps(labels).both();
         let mut last = Price { label: u32::MAX, price: 0 };
         let [a, b, c, d] = found.costs;
-        let mut decide = |costs, left, above| {
-            let sums = add(add(costs, last.of(penalties, labels, left)), last.of(penalties, labels, above));
-            winner(normalised(sums), labels, costs, beside)
-        };
+        let mut decide = |costs, left, above| last.decide(penalties, labels, beside, costs, [left, above]);
         let a = decide(a, self.left[0], above[0]);
         let b = decide(b, u32::from(a.label), above[1]);
         let c = decide(c, self.left[1], u32::from(a.label));
@@ -52,6 +49,13 @@ struct Price {
 }
 
 impl Price {
+    /// Decides a cell whose neighbours took `others`.
+    #[inline(always)]
+    fn decide(&mut self, penalties: Penalties, labels: u32, beside: u32, costs: u32, [left, above]: [u32; 2]) -> Cell {
+        let sums = add(add(costs, self.of(penalties, labels, left)), self.of(penalties, labels, above));
+        winner(normalised(sums), labels, costs, beside)
+    }
+
     #[inline(always)]
     fn of(&mut self, penalties: Penalties, labels: u32, other: u32) -> u32 {
         if other != self.label {

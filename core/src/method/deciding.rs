@@ -45,7 +45,11 @@ impl Matching for Agreeing {
     type Cells<const WORDS: usize> = [CellRow<WORDS>; 5];
 
     fn costs(is_noisy: bool) -> (OwnCost, Penalties) {
-        if is_noisy { (OwnCost { shift: 2 }, Penalties::new(7, 34)) } else { (OwnCost { shift: 1 }, Penalties::new(4, 24)) }
+        if is_noisy {
+            (OwnCost { shift: 2 }, Penalties::new(7, 34))
+        } else {
+            (OwnCost { shift: 1 }, Penalties::new(4, 24))
+        }
     }
 }
 

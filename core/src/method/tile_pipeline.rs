@@ -395,11 +395,11 @@ struct Sampling {
 
 impl Sampling {
     fn of(row: u32) -> Option<Self> {
-        let first = (row as usize * 5) % 16;
+        let first = (row as usize * 5) % 32;
         match row {
-            0..16 => Some(Self { first: first % 4, stride: 4, weight: 1 }),
+            0..16 => Some(Self { first: first % 8, stride: 8, weight: 2 }),
             16..48 if row.is_multiple_of(2) => Some(Self { first: first % 8, stride: 8, weight: 4 }),
-            48.. if row.is_multiple_of(4) => Some(Self { first, stride: 16, weight: 32 }),
+            48.. if row.is_multiple_of(4) => Some(Self { first, stride: 32, weight: 64 }),
             _ => None,
         }
     }
