@@ -1,5 +1,6 @@
 //! The operations as instructions of SSE2: a word lies in the lowest lanes of a [`Quad`], and the compiler leaves it there
 //! from one operation to the next.
+#![cfg_attr(haarline_sse2, allow(dead_code, reason = "what goes word by word is held against the quads in tests"))]
 
 use super::quad::Quad;
 
