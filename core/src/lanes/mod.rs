@@ -43,7 +43,7 @@ pub(crate) const fn lane(word: u32, lane: u32) -> u32 {
 }
 
 /// The least of the four lanes, in each of them.
-#[cfg_attr(haarline_sse2, allow(dead_code, reason = "quads have their own"))]
+#[cfg(not(haarline_sse2))]
 #[inline(always)]
 pub(crate) fn least(word: u32) -> u32 {
     let pair = min(word, word.rotate_right(16));
@@ -51,6 +51,7 @@ pub(crate) fn least(word: u32) -> u32 {
 }
 
 /// The greatest of the four lanes, in each of them.
+#[cfg(not(haarline_sse2))]
 #[inline(always)]
 pub(crate) fn greatest(word: u32) -> u32 {
     let pair = max(word, word.rotate_right(16));
@@ -136,6 +137,9 @@ mod tests {
         for (a, b) in words().flat_map(|a| words().map(move |b| (a, b))) {
             assert_eq!(min_max(a, b), (by_lanes(a, b, u8::min), by_lanes(a, b, u8::max)));
             assert_eq!(difference(a, b), by_lanes(a, b, u8::abs_diff));
+            let bytes = a.to_le_bytes().map(u32::from);
+            assert_eq!(Some(least(a)), bytes.into_iter().min().map(splat));
+            assert_eq!(Some(greatest(a)), bytes.into_iter().max().map(splat));
         }
     }
 

@@ -284,6 +284,21 @@ impl Quad {
         pair.min(pair.rotated::<8, 24>())
     }
 
+    /// In all lanes of each word its greatest one.
+    #[inline(always)]
+    pub(crate) fn greatest_spread(self) -> Self {
+        let pair = self.max(self.rotated::<16, 16>());
+        pair.max(pair.rotated::<8, 24>())
+    }
+
+    /// In all lanes of the lower and the upper two words their greatest one.
+    #[inline(always)]
+    pub(crate) fn greatest_of_two_words(self) -> Self {
+        // SAFETY: the target has SSE2.
+        let swapped = Self(unsafe { _mm_shuffle_epi32::<0b10_11_00_01>(self.0) });
+        self.max(swapped).greatest_spread()
+    }
+
     /// `|self - other|` of unsigned lanes.
     #[inline(always)]
     pub(crate) fn difference(self, other: Self) -> Self {

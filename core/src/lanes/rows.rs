@@ -10,6 +10,9 @@ use super::{add, sad_add, signed_add, signed_halved_sum, signed_sub, splat, sub,
 #[cfg(any(haarline_dsp, haarline_sse2))]
 use super::{gradient_across_fours, gradient_down_fours};
 
+#[cfg(haarline_sse2)]
+pub(crate) use super::x86_64_rows::haar_peaks_of_pairs;
+
 /// Flips unsigned bytes, 0 to 255, to signed ones, -128 to 127, and back.
 pub(crate) const FLIP: u32 = 0x8080_8080;
 
@@ -185,11 +188,12 @@ pub(crate) fn second_difference<const WORDS: usize>(rows: [&[u32; WORDS]; 3], by
 /// Haar responses of half-support 2 along a row of tiles: mean of two columns by two or four rows, less that of the two
 /// columns before; 0 where it falls (where it rises if `FALLING`). Two words a tile.
 ///
-/// - `words`: of a row, margins included.
+/// - `words`: of a row, margins included; `first`: the tile to begin with.
 #[inline(always)]
 pub(crate) fn haar_responses<const WORDS: usize, const ROWS: usize, const FALLING: bool>(
     rows: [&[u32; WORDS]; ROWS],
     words: usize,
+    first: usize,
     mut take: impl FnMut([u32; 2]),
 ) {
     let mean = |words: [u32; ROWS]| match words[..] {
@@ -197,12 +201,8 @@ pub(crate) fn haar_responses<const WORDS: usize, const ROWS: usize, const FALLIN
         [a, b, c, d] => signed_halved_sum(signed_halved_sum(b, c), signed_halved_sum(a, d)),
         _ => 0,
     };
-    #[cfg(haarline_sse2)]
-    let done = super::x86_64_rows::haar_responses_of_pairs::<WORDS, ROWS, FALLING>(rows, words, &mut take);
-    #[cfg(not(haarline_sse2))]
-    let done = 0;
-    let margin = mean(rows.map(|row| row[2 * done]));
-    let mut column = mean(rows.map(|row| row[2 * done + 1]));
+    let margin = mean(rows.map(|row| row[2 * first]));
+    let mut column = mean(rows.map(|row| row[2 * first + 1]));
     let mut before = pair_means(margin, column);
     let mut word = |next: u32| {
         let after = pair_means(column, next);
@@ -213,10 +213,10 @@ pub(crate) fn haar_responses<const WORDS: usize, const ROWS: usize, const FALLIN
     // The words after the first one of a tile and after the second.
     let tiles = (words - 2) / 2;
     let pairs = rows.map(|row| &row[2..words].as_chunks::<2>().0[..tiles]);
-    for tile in done..tiles {
-        let first = word(mean(pairs.map(|pairs| pairs[tile][0])));
-        let second = word(mean(pairs.map(|pairs| pairs[tile][1])));
-        take([first, second]);
+    for tile in first..tiles {
+        let left = word(mean(pairs.map(|pairs| pairs[tile][0])));
+        let right = word(mean(pairs.map(|pairs| pairs[tile][1])));
+        take([left, right]);
     }
     if !words.is_multiple_of(2) {
         // Beyond the margin it goes on like it.

@@ -104,3 +104,15 @@ pub(crate) fn saturated_byte(word: u32) -> u32 {
 pub(crate) fn saturated_halves(word: u32) -> u32 {
     Quad::of_word(word).signed_min_halves(Quad::splat(0x00ff_00ff)).word()
 }
+
+/// The least of the four lanes, in each of them.
+#[inline(always)]
+pub(crate) fn least(word: u32) -> u32 {
+    Quad::of_word(word).least_spread().word()
+}
+
+/// The greatest of the four lanes, in each of them.
+#[inline(always)]
+pub(crate) fn greatest(word: u32) -> u32 {
+    Quad::of_word(word).greatest_spread().word()
+}

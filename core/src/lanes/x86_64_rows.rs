@@ -143,15 +143,17 @@ pub(crate) unsafe fn mean_across_fours(row: &[u32], mean: Mean, out: &mut [u32],
     }
 }
 
-/// [`haar_responses`](super::rows::haar_responses) of as many pairs of tiles as there are; the first tile that is left.
+/// The strongest of [`haar_responses`](super::rows::haar_responses) of as many pairs of tiles as there are: its column, the
+/// first of equals, and its strength. The first tile that is left.
 #[inline(always)]
-pub(crate) fn haar_responses_of_pairs<const WORDS: usize, const ROWS: usize, const FALLING: bool>(
+pub(crate) fn haar_peaks_of_pairs<const WORDS: usize, const ROWS: usize, const FALLING: bool>(
     rows: [&[u32; WORDS]; ROWS],
     words: usize,
-    take: &mut impl FnMut([u32; 2]),
+    mut take: impl FnMut(u32, u32),
 ) -> usize {
     // The margins are read, too.
     let pairs = words.min(WORDS).saturating_sub(2) / 4;
+    let mut column = 0;
     for pair in 0..pairs {
         let mean = |byte: usize| {
             // SAFETY: from two bytes before the words 1..=4 * pairs to one after them.
@@ -164,15 +166,20 @@ pub(crate) fn haar_responses_of_pairs<const WORDS: usize, const ROWS: usize, con
         let pair_means = |byte: usize| mean(byte).signed_halved_sum(mean(byte + 1)).xor(Quad::splat(FLIP));
         let byte = 4 + 16 * pair;
         let (before, after) = (pair_means(byte - 2), pair_means(byte));
-        let [a, b, c, d] = if FALLING { before.sub(after) } else { after.sub(before) }.words();
-        take([a, b]);
-        take([c, d]);
+        let responses = if FALLING { before.sub(after) } else { after.sub(before) };
+        let most = responses.greatest_of_two_words();
+        let mut places = responses.equal(most).top_bits();
+        let [first, _, second, _] = most.words();
+        for strength in [first, second] {
+            take(column + places.trailing_zeros() % 8, strength & 0xff);
+            (column, places) = (column + 8, places >> 8);
+        }
     }
     2 * pairs
 }
 
 #[cfg(test)]
-#[allow(clippy::cast_possible_truncation, reason = "lanes are cut out")]
+#[allow(clippy::cast_possible_truncation, clippy::needless_range_loop, reason = "lanes are cut out of words by number")]
 mod tests {
     use super::super::portable;
     use super::super::rows::{self, Clips};
@@ -192,7 +199,7 @@ mod tests {
                     match kind % 3 {
                         0 => word ^ word >> 13,
                         1 => (word >> 7 & 0x0101_0101) * 0xff,
-                        _ => (word >> 9 & 0x0101_0101) * 0xff ^ (word & 0x8181_8181),
+                        _ => ((word >> 9 & 0x0101_0101) * 0xff) ^ (word & 0x8181_8181),
                     }
                 })
             })
@@ -328,10 +335,50 @@ mod tests {
                     found += 1;
                 };
                 let (rising, mut tile) = (responses([a, b], words, false), 0);
-                rows::haar_responses::<WORDS, 2, false>([a, b], words, |pair| check(&rising, &mut tile, pair));
+                rows::haar_responses::<WORDS, 2, false>([a, b], words, 0, |pair| check(&rising, &mut tile, pair));
                 let (falling, mut tile) = (responses([a, b, c, d], words, true), 0);
-                rows::haar_responses::<WORDS, 4, true>([a, b, c, d], words, |pair| check(&falling, &mut tile, pair));
+                rows::haar_responses::<WORDS, 4, true>([a, b, c, d], words, 0, |pair| check(&falling, &mut tile, pair));
                 assert_eq!(found, 2 * (words - 2).div_ceil(2));
+            }
+        }
+    }
+
+    /// Peaks of the responses of words.
+    fn check_peaks<const ROWS: usize, const FALLING: bool>(rows: [&Row; ROWS], words: usize) {
+        let mut peaks = [(0, 0); WORDS];
+        let mut len = 0;
+        let done = haar_peaks_of_pairs::<WORDS, ROWS, FALLING>(rows, words, |column, strength| {
+            peaks[len] = (column, strength);
+            len += 1;
+        });
+        assert_eq!(done, len);
+        let (mut tile, mut column) = (0, 0);
+        rows::haar_responses::<WORDS, ROWS, FALLING>(rows, words, 0, |[a, b]| {
+            let lanes = u64::from(a) | u64::from(b) << 32;
+            let (mut at, mut most) = (0, 0);
+            for (i, &lane) in (0..).zip(&lanes.to_le_bytes()) {
+                if u32::from(lane) > most {
+                    (at, most) = (i, u32::from(lane));
+                }
+            }
+            if tile < done {
+                assert_eq!(peaks[tile], (column + at, most), "{words} words, tile {tile}");
+            }
+            (tile, column) = (tile + 1, column + 8);
+        });
+        // What goes on in the middle of a row is as in one go.
+        let mut rest = 0;
+        rows::haar_responses::<WORDS, ROWS, FALLING>(rows, words, done, |_| rest += 1);
+        assert_eq!(done + rest, tile);
+    }
+
+    #[test]
+    fn haar_peaks_are_those_of_words() {
+        for rows in rows() {
+            let [a, b, c, d, _] = rows.each_ref();
+            for words in 4..=WORDS {
+                check_peaks::<2, false>([a, b], words);
+                check_peaks::<4, true>([a, b, c, d], words);
             }
         }
     }
