@@ -1,10 +1,14 @@
 //! The answer of a cell, 4 x 2 px: which of its tile's labels wins, and what lies between them.
+#![cfg_attr(haarline_sse2, allow(dead_code, reason = "what goes word by word is held against the quads in tests"))]
 #![allow(
     clippy::cast_possible_truncation,
     clippy::cast_possible_wrap,
     clippy::cast_sign_loss,
     reason = "clamped before"
 )]
+
+#[cfg(haarline_sse2)]
+pub(crate) mod quad;
 
 use crate::lanes::{add, difference, least, limited_to_byte, quotient, select_ge, splat, zero_lane_bits};
 

@@ -1,18 +1,29 @@
 //! Arithmetic on four bytes at once, in one word of 32 bits.
 //!
-//! Lane 0 is the least significant byte. Each operation exists twice: in portable code, and as one or two
-//! instructions of the DSP extension of Cortex-M4, M7 and M33 (ARM DDI 0403, chapter A7). `build.rs` selects by the
-//! target; both are held against each other over random and extreme input, on the host and in the emulator.
+//! Lane 0 is the least significant byte. Each operation exists three times: in portable code, as one or two
+//! instructions of the DSP extension of Cortex-M4, M7 and M33 (ARM DDI 0403, chapter A7), and as some of SSE2. `build.rs`
+//! selects by the target; they are held against each other over random and extreme input, on the host and in the emulator.
 
 #[cfg(haarline_dsp)]
 mod cortex_m;
-#[cfg(not(haarline_dsp))]
+#[cfg(any(not(any(haarline_dsp, haarline_sse2)), test))]
+#[cfg_attr(any(haarline_dsp, haarline_sse2), allow(dead_code, reason = "what the others are held against"))]
 mod portable;
+#[cfg(haarline_sse2)]
+pub(crate) mod quad;
+#[cfg(haarline_sse2)]
+mod x86_64;
+#[cfg(haarline_sse2)]
+mod x86_64_rows;
 
 #[cfg(haarline_dsp)]
 pub(crate) use cortex_m::*;
-#[cfg(not(haarline_dsp))]
+#[cfg(not(any(haarline_dsp, haarline_sse2)))]
 pub(crate) use portable::*;
+#[cfg(haarline_sse2)]
+pub(crate) use x86_64::*;
+#[cfg(haarline_sse2)]
+use x86_64_rows::{gradient_across_fours, gradient_down_fours};
 
 pub(crate) mod rows;
 
@@ -32,6 +43,7 @@ pub(crate) const fn lane(word: u32, lane: u32) -> u32 {
 }
 
 /// The least of the four lanes, in each of them.
+#[cfg(not(haarline_sse2))]
 #[inline(always)]
 pub(crate) fn least(word: u32) -> u32 {
     let pair = min(word, word.rotate_right(16));
@@ -39,6 +51,7 @@ pub(crate) fn least(word: u32) -> u32 {
 }
 
 /// The greatest of the four lanes, in each of them.
+#[cfg(not(haarline_sse2))]
 #[inline(always)]
 pub(crate) fn greatest(word: u32) -> u32 {
     let pair = max(word, word.rotate_right(16));
@@ -52,6 +65,7 @@ pub(crate) fn difference(a: u32, b: u32) -> u32 {
 }
 
 /// By how many bits the first lane that is 0 lies above lane 0; one must be.
+#[cfg_attr(haarline_sse2, allow(dead_code, reason = "quads have their own"))]
 #[inline(always)]
 pub(crate) fn zero_lane_bits(word: u32) -> u32 {
     select_ge(0, word, ONES, 0).trailing_zeros() & 24
@@ -123,6 +137,9 @@ mod tests {
         for (a, b) in words().flat_map(|a| words().map(move |b| (a, b))) {
             assert_eq!(min_max(a, b), (by_lanes(a, b, u8::min), by_lanes(a, b, u8::max)));
             assert_eq!(difference(a, b), by_lanes(a, b, u8::abs_diff));
+            let bytes = a.to_le_bytes().map(u32::from);
+            assert_eq!(Some(least(a)), bytes.into_iter().min().map(splat));
+            assert_eq!(Some(greatest(a)), bytes.into_iter().max().map(splat));
         }
     }
 
@@ -132,5 +149,32 @@ mod tests {
             assert_eq!(quotient(a, b), a / b);
         }
         assert_eq!([-1000, -1, 0, 200, 255, 256].map(limited_to_byte), [0, 0, 0, 200, 255, 255]);
+    }
+
+    #[test]
+    #[cfg(any(haarline_dsp, haarline_sse2))]
+    fn instructions_equal_portable_code() {
+        macro_rules! check {
+            ($a:ident, $b:ident: $($name:ident)*) => {$(
+                assert_eq!($name($a, $b), portable::$name($a, $b), "{} of {:#x} and {:#x}", stringify!($name), $a, $b);
+            )*};
+        }
+        for (a, b) in words().flat_map(|a| words().map(move |b| (a, b))) {
+            check!(a, b: add sub halved_sum signed_add signed_sub signed_halved_sum wrapping_add wrapping_sub sad min max min_max);
+            check!(a, b: add_halves sub_halves sub_saturating_halves halved_sum_halves halved_difference_halves signed_halved_sum_halves);
+            let (x, y) = (a.rotate_left(5) ^ 0x1234_5678, b.wrapping_mul(0x9e37_79b1));
+            assert_eq!(select_ge(a, b, x, y), portable::select_ge(a, b, x, y));
+            assert_eq!(select_ge_halves(a, b, x, y), portable::select_ge_halves(a, b, x, y));
+            assert_eq!(sad_add(a, b, x >> 8), portable::sad_add(a, b, x >> 8));
+            assert_eq!(saturated_halves(a & 0x7fff_7fff), portable::saturated_halves(a & 0x7fff_7fff));
+            assert_eq!(saturated_byte(a >> 1), portable::saturated_byte(a >> 1));
+            assert_eq!(limited_to_byte(a.cast_signed()), portable::limited_to_byte(a.cast_signed()));
+            if b != 0 && a != 1 << 31 {
+                assert_eq!(
+                    quotient(a.cast_signed(), b.cast_signed()),
+                    portable::quotient(a.cast_signed(), b.cast_signed())
+                );
+            }
+        }
     }
 }

@@ -2,12 +2,16 @@
 //!
 //! A row is a slice of words of four columns each, the lowest byte leftmost. Every kernel checks its lengths once and
 //! then reads without a check for each word.
+#![cfg_attr(haarline_sse2, allow(dead_code, reason = "what goes word by word is held against the quads in tests"))]
 #![allow(clippy::needless_range_loop, reason = "words of several rows at one number")]
 #![expect(unsafe_code, reason = "words at byte offsets that are no multiple of four, without a check for each")]
 
 use super::{add, sad_add, signed_add, signed_halved_sum, signed_sub, splat, sub, wrapping_add};
-#[cfg(haarline_dsp)]
+#[cfg(any(haarline_dsp, haarline_sse2))]
 use super::{gradient_across_fours, gradient_down_fours};
+
+#[cfg(haarline_sse2)]
+pub(crate) use super::x86_64_rows::haar_peaks_of_pairs;
 
 /// Flips unsigned bytes, 0 to 255, to signed ones, -128 to 127, and back.
 pub(crate) const FLIP: u32 = 0x8080_8080;
@@ -53,7 +57,7 @@ impl Clip {
 
 impl Clips {
     /// What is subtracted and added to limit.
-    #[cfg(haarline_dsp)]
+    #[cfg(any(haarline_dsp, haarline_sse2))]
     fn limits(self) -> [Option<[u32; 2]>; 2] {
         [Some(self.wide), self.narrow].map(|clip| clip.map(|clip| [clip.lower, clip.raise]))
     }
@@ -90,7 +94,7 @@ fn clip_row(clips: Clips, out: &mut [u32], first: usize, gradient: impl Fn(usize
 }
 
 /// Runs a kernel over as many fours of words as a row has between its margins; the first word that is left.
-#[cfg(haarline_dsp)]
+#[cfg(any(haarline_dsp, haarline_sse2))]
 #[inline(always)]
 fn by_fours(words: usize, kernel: impl FnOnce(usize)) -> usize {
     let fours = words.saturating_sub(2) / 4;
@@ -108,9 +112,9 @@ pub(crate) fn gradient_across(rows: [&[u32]; 2], clips: Clips, out: &mut [u32]) 
     let [a, b] = rows;
     assert!(a.len() == out.len() && b.len() == out.len());
     // SAFETY: the rows have `4 * fours + 2` words and more.
-    #[cfg(haarline_dsp)]
+    #[cfg(any(haarline_dsp, haarline_sse2))]
     let first = by_fours(out.len(), |fours| unsafe { gradient_across_fours(rows, clips.limits(), out, fours) });
-    #[cfg(not(haarline_dsp))]
+    #[cfg(not(any(haarline_dsp, haarline_sse2)))]
     let first = 1;
     clip_row(clips, out, first, |i| {
         // SAFETY: the words begin one byte before and one after word `i`, which is neither the first nor the last.
@@ -127,9 +131,9 @@ pub(crate) fn gradient_down(rows: [&[u32]; 2], clips: Clips, out: &mut [u32]) {
     let [above, below] = rows;
     assert!(above.len() == out.len() && below.len() == out.len());
     // SAFETY: the rows have `4 * fours + 2` words and more.
-    #[cfg(haarline_dsp)]
+    #[cfg(any(haarline_dsp, haarline_sse2))]
     let first = by_fours(out.len(), |fours| unsafe { gradient_down_fours(rows, clips.limits(), out, fours) });
-    #[cfg(not(haarline_dsp))]
+    #[cfg(not(any(haarline_dsp, haarline_sse2)))]
     let first = 1;
     clip_row(clips, out, first, |i| {
         // SAFETY: word `i` is neither the first nor the last.
@@ -184,11 +188,12 @@ pub(crate) fn second_difference<const WORDS: usize>(rows: [&[u32; WORDS]; 3], by
 /// Haar responses of half-support 2 along a row of tiles: mean of two columns by two or four rows, less that of the two
 /// columns before; 0 where it falls (where it rises if `FALLING`). Two words a tile.
 ///
-/// - `words`: of a row, margins included.
+/// - `words`: of a row, margins included; `first`: the tile to begin with.
 #[inline(always)]
 pub(crate) fn haar_responses<const WORDS: usize, const ROWS: usize, const FALLING: bool>(
     rows: [&[u32; WORDS]; ROWS],
     words: usize,
+    first: usize,
     mut take: impl FnMut([u32; 2]),
 ) {
     let mean = |words: [u32; ROWS]| match words[..] {
@@ -196,8 +201,8 @@ pub(crate) fn haar_responses<const WORDS: usize, const ROWS: usize, const FALLIN
         [a, b, c, d] => signed_halved_sum(signed_halved_sum(b, c), signed_halved_sum(a, d)),
         _ => 0,
     };
-    let margin = mean(rows.map(|row| row[0]));
-    let mut column = mean(rows.map(|row| row[1]));
+    let margin = mean(rows.map(|row| row[2 * first]));
+    let mut column = mean(rows.map(|row| row[2 * first + 1]));
     let mut before = pair_means(margin, column);
     let mut word = |next: u32| {
         let after = pair_means(column, next);
@@ -208,10 +213,10 @@ pub(crate) fn haar_responses<const WORDS: usize, const ROWS: usize, const FALLIN
     // The words after the first one of a tile and after the second.
     let tiles = (words - 2) / 2;
     let pairs = rows.map(|row| &row[2..words].as_chunks::<2>().0[..tiles]);
-    for tile in 0..tiles {
-        let first = word(mean(pairs.map(|pairs| pairs[tile][0])));
-        let second = word(mean(pairs.map(|pairs| pairs[tile][1])));
-        take([first, second]);
+    for tile in first..tiles {
+        let left = word(mean(pairs.map(|pairs| pairs[tile][0])));
+        let right = word(mean(pairs.map(|pairs| pairs[tile][1])));
+        take([left, right]);
     }
     if !words.is_multiple_of(2) {
         // Beyond the margin it goes on like it.
@@ -245,6 +250,22 @@ pub(crate) fn tile_sad<const BLOCKS: usize>(
         // SAFETY: checked above; the four rows lie one behind the other.
         return unsafe { super::tile_sad_words::<BLOCKS>(first.add(left), other.cast::<u8>().add(right)) };
     }
+    // SAFETY: checked above.
+    #[cfg(haarline_sse2)]
+    return unsafe { super::x86_64_rows::tile_sad(left_rows, left, right_rows, right) };
+    #[cfg(not(haarline_sse2))]
+    tile_sad_by_words(left_rows, left, right_rows, right)
+}
+
+/// [`tile_sad`] by words.
+#[inline(always)]
+fn tile_sad_by_words<const BLOCKS: usize>(
+    left_rows: &[[u32; BLOCKS]; 4],
+    left: usize,
+    right_rows: &[[u32; BLOCKS]; 4],
+    right: usize,
+) -> [u32; 4] {
+    assert!(left + 2 <= BLOCKS && right + 8 <= 4 * BLOCKS);
     let mut sums = [0; 4];
     for (y, (a, b)) in left_rows.iter().zip(right_rows).enumerate() {
         // SAFETY: checked above.
@@ -285,6 +306,15 @@ impl Window {
     /// Sum of absolute differences.
     #[inline(always)]
     pub(crate) fn sad(self, other: Self) -> u32 {
+        #[cfg(haarline_sse2)]
+        return super::x86_64_rows::sad_of_four(self.0, other.0);
+        #[cfg(not(haarline_sse2))]
+        self.sad_by_words(other)
+    }
+
+    /// [`Self::sad`] by words.
+    #[inline(always)]
+    fn sad_by_words(self, other: Self) -> u32 {
         let ([a, b, c, d], [e, f, g, h]) = (self.0, other.0);
         sad_add(d, h, sad_add(c, g, sad_add(b, f, super::sad(a, e))))
     }
@@ -340,7 +370,11 @@ pub(crate) enum Mean {
 pub(crate) fn mean_down(rows: [&[u32]; 5], mean: Mean, out: &mut [u32]) {
     let [a, b, c, d, e] = rows;
     assert!([a, b, c, d, e].iter().all(|row| row.len() == out.len()));
-    for i in 0..out.len() {
+    #[cfg(haarline_sse2)]
+    let first = super::x86_64_rows::mean_down_fours(rows, mean, out);
+    #[cfg(not(haarline_sse2))]
+    let first = 0;
+    for i in first..out.len() {
         out[i] = match mean {
             Mean::Three => mean_121(b[i], c[i], d[i]),
             _ => mean_12221(a[i], b[i], c[i], d[i], e[i]),
@@ -353,21 +387,26 @@ pub(crate) fn mean_down(rows: [&[u32]; 5], mean: Mean, out: &mut [u32]) {
 pub(crate) fn mean_across(row: &[u32], mean: Mean, out: &mut [u32]) {
     assert!(row.len() == out.len());
     let last = out.len().saturating_sub(1);
+    // SAFETY: the row has `4 * fours + 2` words and more.
+    #[cfg(haarline_sse2)]
+    let first = by_fours(out.len(), |fours| unsafe { super::x86_64_rows::mean_across_fours(row, mean, out, fours) });
+    #[cfg(not(haarline_sse2))]
+    let first = 1;
     match mean {
         Mean::Three => {
-            for i in 1..last {
+            for i in first..last {
                 // SAFETY: one byte beyond word `i` on either side.
                 out[i] = unsafe { mean_121(word(row, 4 * i - 1), row[i], word(row, 4 * i + 1)) };
             }
         }
         Mean::Five => {
-            for i in 1..last {
+            for i in first..last {
                 // SAFETY: two bytes beyond word `i` on either side.
                 out[i] = unsafe { five(row, 4 * i) };
             }
         }
         Mean::Nine => {
-            for i in 1..last {
+            for i in first..last {
                 // SAFETY: four bytes beyond word `i` on either side.
                 out[i] = unsafe { signed_halved_sum(five(row, 4 * i - 2), five(row, 4 * i + 2)) };
             }

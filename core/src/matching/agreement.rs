@@ -2,6 +2,10 @@
 //!
 //! In the manner of semi-global matching (H. Hirschmueller, Stereo processing by semi-global matching and mutual information,
 //! IEEE TPAMI 30, 2008), but over the four labels of a tile instead of all disparities.
+#![cfg_attr(haarline_sse2, allow(dead_code, reason = "what goes word by word is held against the quads in tests"))]
+
+#[cfg(haarline_sse2)]
+pub(crate) mod quad;
 
 use crate::lanes::{ONES, add, difference, least, min, select_ge, splat, sub, wrapping_sub};
 

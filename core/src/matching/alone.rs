@@ -1,10 +1,14 @@
 //! Cells that decide alone: each takes its least cost, and pays a little for a label that its neighbours have not.
+#![cfg_attr(haarline_sse2, allow(dead_code, reason = "what goes word by word is held against the quads in tests"))]
 #![allow(
     clippy::cast_possible_truncation,
     clippy::cast_possible_wrap,
     clippy::cast_sign_loss,
     reason = "clamped before"
 )]
+
+#[cfg(haarline_sse2)]
+mod quad;
 
 use crate::answer::cell::{Cell, winner};
 use crate::lanes::add;
@@ -27,6 +31,15 @@ impl Alone {
     /// - `above`: what the cells above took; more than 255 where there is none.
     #[inline(always)]
     pub(crate) fn decide(&mut self, penalties: Penalties, found: &Tile, above: [u32; 2]) -> [[Cell; 2]; 2] {
+        #[cfg(haarline_sse2)]
+        return self.decide_all(penalties, found, above);
+        #[cfg(not(haarline_sse2))]
+        self.decide_by_words(penalties, found, above)
+    }
+
+    /// [`Self::decide`], one cell at a time.
+    #[inline(always)]
+    fn decide_by_words(&mut self, penalties: Penalties, found: &Tile, above: [u32; 2]) -> [[Cell; 2]; 2] {
         let labels = found.labels;
         let beside = penalties.steps(labels).both();
         let mut last = Price { label: u32::MAX, price: 0 };

@@ -1,10 +1,14 @@
 //! The paths of the agreement along a row of tiles: from the left, from the right, from the top and from below.
+#![cfg_attr(haarline_sse2, allow(dead_code, reason = "what goes word by word is held against the quads in tests"))]
 #![allow(
     clippy::cast_possible_truncation,
     clippy::cast_possible_wrap,
     clippy::cast_sign_loss,
     reason = "clamped before"
 )]
+
+#[cfg(haarline_sse2)]
+pub(crate) mod quad;
 
 use crate::answer::cell::{label, winner};
 use crate::answer::cell_row::CellRow;
@@ -57,6 +61,15 @@ impl<const WORDS: usize> Paths<WORDS> {
     /// The paths from the left.
     #[inline(never)]
     pub(crate) fn pass_rightwards(&mut self, tiles: usize, penalties: Penalties) {
+        #[cfg(haarline_sse2)]
+        self.pass::<false>(tiles, penalties);
+        #[cfg(not(haarline_sse2))]
+        self.pass_rightwards_by_words(tiles, penalties);
+    }
+
+    /// [`Self::pass_rightwards`], one cell at a time.
+    #[inline(always)]
+    fn pass_rightwards_by_words(&mut self, tiles: usize, penalties: Penalties) {
         let mut sums = [0; 2];
         let mut before = None;
         for [first, second] in self.tiles(tiles) {
@@ -104,6 +117,18 @@ impl<const WORDS: usize> Paths<WORDS> {
     /// - `rows`: the cell row above, if there is one, the upper and the lower one of the tiles.
     #[inline(never)]
     pub(crate) fn agree(&mut self, tiles: usize, penalties: Penalties, is_first: bool, rows: [&mut CellRow<WORDS>; 3]) {
+        #[cfg(haarline_sse2)]
+        {
+            self.pass::<true>(tiles, penalties);
+            self.decide_all(tiles, penalties, is_first, rows);
+        }
+        #[cfg(not(haarline_sse2))]
+        self.agree_by_words(tiles, penalties, is_first, rows);
+    }
+
+    /// [`Self::agree`], one cell at a time.
+    #[inline(always)]
+    fn agree_by_words(&mut self, tiles: usize, penalties: Penalties, is_first: bool, rows: [&mut CellRow<WORDS>; 3]) {
         self.pass_leftwards(tiles, penalties);
         let [above_row, upper_row, lower_row] = rows;
         if is_first {

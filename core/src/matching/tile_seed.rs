@@ -9,6 +9,8 @@
 
 use crate::Config;
 use crate::front_end::camera_view::{CameraView, FeatureRows, Row};
+#[cfg(haarline_sse2)]
+use crate::lanes::rows::haar_peaks_of_pairs;
 use crate::lanes::rows::{Window, haar_responses};
 use crate::lanes::{ONES, greatest, max, select_ge};
 
@@ -213,18 +215,27 @@ fn find<const WORDS: usize, const ROWS: usize, const FALLING: bool>(
     contours: &mut [Contour],
 ) -> usize {
     let mut len = 0;
-    let mut column = 0;
-    haar_responses::<WORDS, ROWS, FALLING>(rows, words, |[a, b]| {
+    let mut keep = |column: u32, strength: u32| {
+        if strength >= threshold
+            && let Some(contour) = contours.get_mut(len)
+        {
+            *contour = Contour { place: column << 16 | strength, partner: u32::MAX };
+            len += 1;
+        }
+    };
+    #[cfg(haarline_sse2)]
+    let done = haar_peaks_of_pairs::<WORDS, ROWS, FALLING>(rows, words, &mut keep);
+    #[cfg(not(haarline_sse2))]
+    let done = 0;
+    let mut column = 8 * done as u32;
+    haar_responses::<WORDS, ROWS, FALLING>(rows, words, done, |[a, b]| {
         let most = greatest(max(a, b));
         let strength = most & 0xff;
         if strength >= threshold {
             let first = select_ge(a, most, ONES, 0);
             let second = select_ge(b, most, ONES, 0);
             let offset = if first != 0 { first.trailing_zeros() / 8 } else { 4 + second.trailing_zeros() / 8 };
-            if let Some(contour) = contours.get_mut(len) {
-                *contour = Contour { place: (column + offset) << 16 | strength, partner: u32::MAX };
-                len += 1;
-            }
+            keep(column + offset, strength);
         }
         column += 8;
     });

@@ -1,0 +1,385 @@
+//! Row kernels, sixteen bytes at once.
+#![expect(unsafe_code, reason = "sixteen bytes at byte offsets, without a check for each")]
+
+use super::quad::Quad;
+use super::rows::{FLIP, Mean};
+
+/// Writes four words.
+#[inline(always)]
+fn put(out: &mut [u32], word: usize, quad: Quad) {
+    if let Some(to) = out.get_mut(word..).and_then(<[u32]>::first_chunk_mut) {
+        *to = quad.words();
+    }
+}
+
+/// Limits in all lanes: what is subtracted and added.
+type Limits = [Option<[Quad; 2]>; 2];
+
+fn all_lanes(limits: [Option<[u32; 2]>; 2]) -> Limits {
+    limits.map(|limit| limit.map(|limit| limit.map(Quad::splat)))
+}
+
+#[inline(always)]
+fn limited(gradient: Quad, limits: Limits) -> Quad {
+    let gradient = gradient.xor(Quad::splat(FLIP));
+    let limit = |[lower, raise]: [Quad; 2]| gradient.sub(lower).add(raise);
+    let [wide, narrow] = limits.map(|limits| limits.map(limit));
+    let wide = wide.unwrap_or(gradient);
+    narrow.map_or(wide, |narrow| wide.wrapping_add(narrow))
+}
+
+/// [`gradient_across`](super::rows::gradient_across) of the words `1..=4 * fours`. `limits` are pairs of what is subtracted and added.
+///
+/// # Safety
+/// The rows must have at least `4 * fours + 2` words.
+#[inline(always)]
+pub(crate) unsafe fn gradient_across_fours(
+    [a, b]: [&[u32]; 2],
+    limits: [Option<[u32; 2]>; 2],
+    out: &mut [u32],
+    fours: usize,
+) {
+    let limits = all_lanes(limits);
+    for first in (1..4 * fours).step_by(4) {
+        // SAFETY: from one byte before the words to one after them.
+        let across = |row| unsafe { Quad::load(row, 4 * first + 1).signed_sub(Quad::load(row, 4 * first - 1)) };
+        put(out, first, limited(across(a).signed_add(across(b)), limits));
+    }
+}
+
+/// [`gradient_down`](super::rows::gradient_down) of the words `1..=4 * fours`. `limits` are pairs of what is subtracted and added.
+///
+/// # Safety
+/// The rows must have at least `4 * fours + 2` words.
+#[inline(always)]
+pub(crate) unsafe fn gradient_down_fours(
+    [above, below]: [&[u32]; 2],
+    limits: [Option<[u32; 2]>; 2],
+    out: &mut [u32],
+    fours: usize,
+) {
+    let limits = all_lanes(limits);
+    for first in (1..4 * fours).step_by(4) {
+        // SAFETY: to one byte after the words.
+        let down = |byte| unsafe { Quad::load(below, byte).signed_sub(Quad::load(above, byte)) };
+        put(out, first, limited(down(4 * first).signed_add(down(4 * first + 1)), limits));
+    }
+}
+
+/// [`tile_sad`](super::rows::tile_sad).
+///
+/// # Safety
+/// The rows must have two words from word `left` and eight bytes from byte `right` on.
+#[inline(always)]
+pub(crate) unsafe fn tile_sad<const BLOCKS: usize>(
+    left_rows: &[[u32; BLOCKS]; 4],
+    left: usize,
+    right_rows: &[[u32; BLOCKS]; 4],
+    right: usize,
+) -> [u32; 4] {
+    // SAFETY: as the caller promises.
+    let two = |row: &[u32], byte: usize| unsafe { Quad::load_two(row, byte) };
+    // A cell of two rows is half of a quad.
+    let cells = |rows: &[[u32; BLOCKS]; 4], y: usize, byte: usize| two(&rows[y], byte).in_turn(two(&rows[y + 1], byte));
+    let sums = |y: usize| cells(left_rows, y, 4 * left).sad(cells(right_rows, y, right)).words();
+    let ([a, _, b, _], [c, _, d, _]) = (sums(0), sums(2));
+    [a, b, c, d]
+}
+
+/// Sum of absolute differences of four words.
+#[inline(always)]
+pub(crate) fn sad_of_four(a: [u32; 4], b: [u32; 4]) -> u32 {
+    let [first, _, second, _] = Quad::of(a).sad(Quad::of(b)).words();
+    first + second
+}
+
+/// The mean of neighbours, `[1 2 1] / 4`.
+#[inline(always)]
+fn mean_121(a: Quad, b: Quad, c: Quad) -> Quad {
+    a.signed_halved_sum(c).signed_halved_sum(b)
+}
+
+/// The mean of neighbours, `[1 2 2 2 1] / 8`.
+#[inline(always)]
+fn mean_12221(a: Quad, b: Quad, c: Quad, d: Quad, e: Quad) -> Quad {
+    mean_121(a, c, e).signed_halved_sum(b.signed_halved_sum(d))
+}
+
+/// [`mean_down`](super::rows::mean_down) of as many fours of words as there are; the first word that is left. All rows must
+/// be equally long.
+#[inline(always)]
+pub(crate) fn mean_down_fours(rows: [&[u32]; 5], mean: Mean, out: &mut [u32]) -> usize {
+    let words = out.len() / 4 * 4;
+    for i in (0..words).step_by(4) {
+        let [a, b, c, d, e] = rows.map(|row| match row.get(i..).and_then(<[u32]>::first_chunk) {
+            Some(&words) => Quad::of(words),
+            None => Quad::splat(0),
+        });
+        put(out, i, if mean == Mean::Three { mean_121(b, c, d) } else { mean_12221(a, b, c, d, e) });
+    }
+    words
+}
+
+/// [`mean_across`](super::rows::mean_across) of the words `1..=4 * fours`.
+///
+/// # Safety
+/// The row must have at least `4 * fours + 2` words.
+#[inline(always)]
+pub(crate) unsafe fn mean_across_fours(row: &[u32], mean: Mean, out: &mut [u32], fours: usize) {
+    for first in (1..4 * fours).step_by(4) {
+        // SAFETY: at most four bytes before the words to four after them.
+        let at = |byte: usize| unsafe { Quad::load(row, byte) };
+        let five = |byte: usize| mean_12221(at(byte - 2), at(byte - 1), at(byte), at(byte + 1), at(byte + 2));
+        let byte = 4 * first;
+        put(
+            out,
+            first,
+            match mean {
+                Mean::Three => mean_121(at(byte - 1), at(byte), at(byte + 1)),
+                Mean::Five => five(byte),
+                Mean::Nine => five(byte - 2).signed_halved_sum(five(byte + 2)),
+            },
+        );
+    }
+}
+
+/// The strongest of [`haar_responses`](super::rows::haar_responses) of as many pairs of tiles as there are: its column, the
+/// first of equals, and its strength. The first tile that is left.
+#[inline(always)]
+pub(crate) fn haar_peaks_of_pairs<const WORDS: usize, const ROWS: usize, const FALLING: bool>(
+    rows: [&[u32; WORDS]; ROWS],
+    words: usize,
+    mut take: impl FnMut(u32, u32),
+) -> usize {
+    // The margins are read, too.
+    let pairs = words.min(WORDS).saturating_sub(2) / 4;
+    let mut column = 0;
+    for pair in 0..pairs {
+        let mean = |byte: usize| {
+            // SAFETY: from two bytes before the words 1..=4 * pairs to one after them.
+            match rows.map(|row| unsafe { Quad::load(row, byte) })[..] {
+                [a, b] => a.signed_halved_sum(b),
+                [a, b, c, d] => b.signed_halved_sum(c).signed_halved_sum(a.signed_halved_sum(d)),
+                _ => Quad::splat(0),
+            }
+        };
+        let pair_means = |byte: usize| mean(byte).signed_halved_sum(mean(byte + 1)).xor(Quad::splat(FLIP));
+        let byte = 4 + 16 * pair;
+        let (before, after) = (pair_means(byte - 2), pair_means(byte));
+        let responses = if FALLING { before.sub(after) } else { after.sub(before) };
+        let most = responses.greatest_of_two_words();
+        let mut places = responses.equal(most).top_bits();
+        let [first, _, second, _] = most.words();
+        for strength in [first, second] {
+            take(column + places.trailing_zeros() % 8, strength & 0xff);
+            (column, places) = (column + 8, places >> 8);
+        }
+    }
+    2 * pairs
+}
+
+#[cfg(test)]
+#[allow(clippy::cast_possible_truncation, clippy::needless_range_loop, reason = "lanes are cut out of words by number")]
+mod tests {
+    use super::super::portable;
+    use super::super::rows::{self, Clips};
+    use super::*;
+
+    const WORDS: usize = 23;
+    type Row = [u32; WORDS];
+
+    /// Rows of noise, of extremes, and of both.
+    fn rows() -> impl Iterator<Item = [Row; 5]> {
+        let mut seed = 1u32;
+        (0..60).map(move |kind| {
+            [0; 5].map(|_: u32| {
+                [0; WORDS].map(|_: u32| {
+                    seed = seed.wrapping_mul(0x9e37_79b1).wrapping_add(0x7f4a_7c15);
+                    let word = (seed ^ seed >> 15).wrapping_mul(0x85eb_ca6b);
+                    match kind % 3 {
+                        0 => word ^ word >> 13,
+                        1 => (word >> 7 & 0x0101_0101) * 0xff,
+                        _ => ((word >> 9 & 0x0101_0101) * 0xff) ^ (word & 0x8181_8181),
+                    }
+                })
+            })
+        })
+    }
+
+    fn byte(row: &Row, at: usize) -> u8 {
+        (row[at / 4] >> (8 * (at % 4))) as u8
+    }
+
+    /// The word that begins at a byte.
+    fn word(row: &Row, at: usize) -> u32 {
+        u32::from_le_bytes([0, 1, 2, 3].map(|i| byte(row, at + i)))
+    }
+
+    /// As the kernels' definitions, by portable operations.
+    fn limited(gradient: u32, wide: u32, narrow: u32) -> u32 {
+        let limit = |limit: u32| {
+            let lower = portable::sub(gradient ^ FLIP, super::super::splat(128 - limit));
+            portable::add(lower, super::super::splat(255 - 2 * limit))
+        };
+        if narrow == 0 { limit(wide) } else { portable::wrapping_add(limit(wide), limit(narrow)) }
+    }
+
+    #[test]
+    fn gradients_are_those_of_words() {
+        for ([a, b, ..], (wide, narrow)) in rows().zip([(15, 4), (31, 0), (100, 27)].into_iter().cycle()) {
+            // Of all lengths, so that words are left over.
+            for len in 2..=WORDS {
+                let (mut across, mut down) = ([7; WORDS], [7; WORDS]);
+                rows::gradient_across([&a[..len], &b[..len]], Clips::new(wide, narrow), &mut across[..len]);
+                rows::gradient_down([&a[..len], &b[..len]], Clips::new(wide, narrow), &mut down[..len]);
+                for i in 1..len - 1 {
+                    let difference = |row: &Row| portable::signed_sub(word(row, 4 * i + 1), word(row, 4 * i - 1));
+                    let expected = portable::signed_add(difference(&a), difference(&b));
+                    assert_eq!(across[i], limited(expected, wide, narrow));
+                    let difference = |at: usize| portable::signed_sub(word(&b, at), word(&a, at));
+                    let expected = portable::signed_add(difference(4 * i), difference(4 * i + 1));
+                    assert_eq!(down[i], limited(expected, wide, narrow));
+                }
+                assert_eq!([across[0], across[len - 1], down[0], down[len - 1]], [7; 4]);
+            }
+        }
+    }
+
+    fn mean_121(a: u32, b: u32, c: u32) -> u32 {
+        portable::signed_halved_sum(portable::signed_halved_sum(a, c), b)
+    }
+
+    fn mean_12221([a, b, c, d, e]: [u32; 5]) -> u32 {
+        portable::signed_halved_sum(mean_121(a, c, e), portable::signed_halved_sum(b, d))
+    }
+
+    #[test]
+    fn means_are_those_of_words() {
+        for (rows, len) in rows().zip((2..=WORDS).cycle()) {
+            for mean in [Mean::Three, Mean::Five, Mean::Nine] {
+                let (mut down, mut across) = ([7; WORDS], [7; WORDS]);
+                rows::mean_down(rows.each_ref().map(|row| &row[..len]), mean, &mut down[..len]);
+                rows::mean_across(&rows[0][..len], mean, &mut across[..len]);
+                for i in 0..len {
+                    let column = rows.map(|row| row[i]);
+                    let [_, b, c, d, _] = column;
+                    assert_eq!(down[i], if mean == Mean::Three { mean_121(b, c, d) } else { mean_12221(column) });
+                }
+                for i in 1..len - 1 {
+                    let at = |byte: usize| word(&rows[0], byte);
+                    let five = |byte: usize| mean_12221([byte - 2, byte - 1, byte, byte + 1, byte + 2].map(at));
+                    let expected = match mean {
+                        Mean::Three => mean_121(at(4 * i - 1), at(4 * i), at(4 * i + 1)),
+                        Mean::Five => five(4 * i),
+                        Mean::Nine => portable::signed_halved_sum(five(4 * i - 2), five(4 * i + 2)),
+                    };
+                    assert_eq!(across[i], expected);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn sums_of_differences_are_those_of_bytes() {
+        for [a, b, c, d, e] in rows() {
+            let (left, right) = ([a, b, c, d], [e, a, b, c]);
+            for (at, byte_at) in (0..=WORDS - 2).flat_map(|at| (0..=4 * WORDS - 8).map(move |byte| (at, byte))) {
+                let cell = |x: usize, y: usize| -> u32 {
+                    let pixels = (y..y + 2).flat_map(|y| (x..x + 4).map(move |x| (x, y)));
+                    let difference =
+                        |(x, y): (usize, usize)| byte(&left[y], 4 * at + x).abs_diff(byte(&right[y], byte_at + x));
+                    pixels.map(|at| u32::from(difference(at))).sum()
+                };
+                let expected = [cell(0, 0), cell(4, 0), cell(0, 2), cell(4, 2)];
+                assert_eq!(rows::tile_sad(&left, at, &right, byte_at), expected);
+                let window = |rows: [&Row; 2], byte: usize| rows::Window::of(rows, byte);
+                let sum = window([&a, &b], 4 * at).sad(window([&e, &a], byte_at));
+                assert_eq!(sum, expected[0] + expected[1]);
+            }
+        }
+    }
+
+    /// Responses by portable operations.
+    fn responses<const ROWS: usize>(rows: [&Row; ROWS], words: usize, falling: bool) -> [u32; WORDS] {
+        // Beyond the margin it goes on like it.
+        let at = |row: &Row, byte_at: usize| byte(row, byte_at.min(4 * words - 1));
+        let mean = |byte_at: usize| {
+            let [a, b, c, d] = [0, 1, 2, 3].map(|y| rows.get(y).map_or(0, |row| u32::from(at(row, byte_at))));
+            let half = portable::signed_halved_sum;
+            if ROWS == 2 { half(a, b) } else { half(half(b, c), half(a, d)) }
+        };
+        let pair = |byte_at: usize| (portable::signed_halved_sum(mean(byte_at), mean(byte_at + 1)) ^ FLIP) & 0xff;
+        core::array::from_fn(|i| {
+            let lanes = [0, 1, 2, 3].map(|x| {
+                let (before, after) = (pair(4 * i + 2 + x), pair(4 * i + 4 + x));
+                let response = if falling { before.saturating_sub(after) } else { after.saturating_sub(before) };
+                response as u8
+            });
+            u32::from_le_bytes(lanes)
+        })
+    }
+
+    #[test]
+    fn haar_responses_are_those_of_bytes() {
+        for mut rows in rows() {
+            for words in 4..=WORDS {
+                // The margin is one byte four times.
+                for row in &mut rows {
+                    row[words - 1] = super::super::splat(u32::from(byte(row, 4 * words - 5)));
+                }
+                let [a, b, c, d, _] = rows.each_ref();
+                let mut found = 0;
+                let mut check = |expected: &[u32; WORDS], tile: &mut usize, pair: [u32; 2]| {
+                    assert_eq!(pair, [expected[2 * *tile], expected[2 * *tile + 1]], "{words} words, tile {tile}");
+                    *tile += 1;
+                    found += 1;
+                };
+                let (rising, mut tile) = (responses([a, b], words, false), 0);
+                rows::haar_responses::<WORDS, 2, false>([a, b], words, 0, |pair| check(&rising, &mut tile, pair));
+                let (falling, mut tile) = (responses([a, b, c, d], words, true), 0);
+                rows::haar_responses::<WORDS, 4, true>([a, b, c, d], words, 0, |pair| check(&falling, &mut tile, pair));
+                assert_eq!(found, 2 * (words - 2).div_ceil(2));
+            }
+        }
+    }
+
+    /// Peaks of the responses of words.
+    fn check_peaks<const ROWS: usize, const FALLING: bool>(rows: [&Row; ROWS], words: usize) {
+        let mut peaks = [(0, 0); WORDS];
+        let mut len = 0;
+        let done = haar_peaks_of_pairs::<WORDS, ROWS, FALLING>(rows, words, |column, strength| {
+            peaks[len] = (column, strength);
+            len += 1;
+        });
+        assert_eq!(done, len);
+        let (mut tile, mut column) = (0, 0);
+        rows::haar_responses::<WORDS, ROWS, FALLING>(rows, words, 0, |[a, b]| {
+            let lanes = u64::from(a) | u64::from(b) << 32;
+            let (mut at, mut most) = (0, 0);
+            for (i, &lane) in (0..).zip(&lanes.to_le_bytes()) {
+                if u32::from(lane) > most {
+                    (at, most) = (i, u32::from(lane));
+                }
+            }
+            if tile < done {
+                assert_eq!(peaks[tile], (column + at, most), "{words} words, tile {tile}");
+            }
+            (tile, column) = (tile + 1, column + 8);
+        });
+        // What goes on in the middle of a row is as in one go.
+        let mut rest = 0;
+        rows::haar_responses::<WORDS, ROWS, FALLING>(rows, words, done, |_| rest += 1);
+        assert_eq!(done + rest, tile);
+    }
+
+    #[test]
+    fn haar_peaks_are_those_of_words() {
+        for rows in rows() {
+            let [a, b, c, d, _] = rows.each_ref();
+            for words in 4..=WORDS {
+                check_peaks::<2, false>([a, b], words);
+                check_peaks::<4, true>([a, b, c, d], words);
+            }
+        }
+    }
+}
