@@ -11,7 +11,7 @@ pub(in crate::command) struct LayoutArgs {
     /// How the views are stored
     #[arg(long, value_enum, default_value_t = LayoutKind::Auto)]
     pub(in crate::command) layout: LayoutKind,
-    /// The left views below the recording's folder, as 'cam_a/*.png'; with --right
+    /// The left views below the recording's folder, as 'cam_a/*.png', or their topic in an MCAP file; with --right
     #[arg(id = "left_views", long = "left", value_name = "GLOB", requires = "right_views", conflicts_with = "layout")]
     left: Option<String>,
     /// The right views
