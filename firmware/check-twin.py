@@ -66,7 +66,7 @@ class Twin:
         """What the run tells, and the bytes of its maps by frame."""
         target = self.folder / name
         target.mkdir(exist_ok=True)
-        told = self.run("-o", target / "map.pfm", *arguments)
+        told = self.run("--min-confidence", "0", "-o", target / "map.pfm", *arguments)
         return told, [path.read_bytes() for path in sorted(target.iterdir())]
 
     @cached_property

@@ -63,7 +63,8 @@ pub(super) struct Args {
     confidence: Option<PathBuf>,
     #[command(flatten)]
     min_confidence: MinConfidence,
-    /// Fills unknown pixels with the farther of the next known ones beside them: a guess, confidence 1
+    /// Shows the guesses of full and lite, too, and fills what is still unknown with the farther of the next known
+    /// pixels beside it, confidence 1
     #[arg(long)]
     fill: bool,
     #[command(flatten)]

@@ -36,7 +36,7 @@ const MOST_HELD: usize = 30;
 pub(super) struct Args {
     /// Folder with images of both cameras, in folders left and right or as datasets have them, which belong
     /// together by name, number or time; or of images with both views (--layout side-by-side, top-bottom); or
-    /// a file with the bytes a camera port stored (--raw), or - for a stream of these without end, as from ffmpeg
+    /// an MCAP file with two topics of images (in a build with the feature mcap); or a file with the bytes a camera port stored (--raw), or - for a stream of these without end, as from ffmpeg
     recording: PathBuf,
     /// Where everything goes, frame by frame: <frame>.pfm, <frame>_picture.png, frames.csv; with --rig
     /// obstacles.csv, the nearest obstacle in each direction, cm

@@ -12,7 +12,7 @@ use haarline::{Stage, Wiring};
 use haarline_rig::Description;
 use serde::Serialize;
 
-use super::shared::{LayoutKind, RigArg, SearchRange, WiringArgs, layout};
+use super::shared::{LayoutKind, MinConfidence, RigArg, SearchRange, WiringArgs, layout};
 use super::{Finding, natural_number, number, print};
 use crate::input::frame::Shrink;
 use crate::input::raw_dump::{RawFormat, ViewSize};
@@ -96,6 +96,8 @@ pub(super) struct Args {
     /// Disparity map in px (PFM); of several frames FILE_0000.pfm and so on
     #[arg(short, long = "output", value_name = "FILE.pfm")]
     output: Option<PathBuf>,
+    #[command(flatten)]
+    min_confidence: MinConfidence,
     /// The program, as `cargo twin` builds it in target/thumbv7em-none-eabihf/firmware/twin [default: that of the
     /// environment variable HAARLINE_TWIN, or built by cargo if this folder is in Haarline's sources]
     #[arg(long, value_name = "FILE")]
@@ -160,6 +162,7 @@ struct Summary {
 
 impl Args {
     pub(super) fn run(self) -> Result<()> {
+        let min_confidence = self.min_confidence.get(Some(self.method))?;
         let rig = self.rig.read(&self.search, [None; 2], Shrink::NONE)?;
         let footage = self.read(rig.as_ref())?;
         let ViewSize { width, height } = footage.format.size;
@@ -193,7 +196,7 @@ impl Args {
 
         let report = Report::read(&file("report.txt"))?;
         let maps = decode(fs::read(file("rows.bin")).context("the program left no results")?, [width, height])?;
-        self.write(&maps)?;
+        self.write(&maps, min_confidence)?;
         let expected = self.expected(&footage.pairs, &request)?;
         let different = different(&maps, &expected, &request);
         let mut summary = self.summary(&request, &report, memory, maps.len(), different)?;
@@ -285,11 +288,13 @@ impl Args {
         self.obstacles.as_ref().map_or(Ok(()), |path| claims.write("--obstacles", path))
     }
 
-    fn write(&self, maps: &BTreeMap<u32, DisparityMap>) -> Result<()> {
+    fn write(&self, maps: &BTreeMap<u32, DisparityMap>, min_confidence: u8) -> Result<()> {
         let Some(path) = &self.output else { return Ok(()) };
         for (frame, map) in maps {
             let path = if maps.len() == 1 { path.clone() } else { numbered(path, *frame) };
-            output::write(&path, &pfm::encode(map))?;
+            let mut map = map.clone();
+            map.drop_below(min_confidence);
+            output::write(&path, &pfm::encode(&map))?;
         }
         Ok(())
     }

@@ -16,6 +16,9 @@ pub enum Caveat {
     RatherTopBottom,
     /// The views lie one above the other, but their size fits views side by side.
     RatherSideBySide,
+    /// A recording that is cut off or damaged somewhere.
+    #[cfg(feature = "mcap")]
+    CutOff,
 }
 
 impl Caveat {
@@ -25,6 +28,8 @@ impl Caveat {
             Self::FewBits(bits) => {
                 format!("its 16-bit samples have no more than {bits} bits, and are scaled as such, alike in both views")
             }
+            #[cfg(feature = "mcap")]
+            Self::CutOff => "is cut off or damaged; what is whole is read, what else it had is not counted".to_owned(),
             Self::RatherTopBottom => {
                 "each half is a narrow view; if one view lies above the other, it is --layout top-bottom".to_owned()
             }

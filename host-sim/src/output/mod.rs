@@ -85,6 +85,12 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<()> {
 /// Names the file where it cannot be written; else what `fill` says.
 pub fn write_with(path: &Path, fill: impl FnOnce(&mut dyn Write) -> Result<()>) -> Result<()> {
     let failed = |error| cannot_write(path, error);
+    let fill = |file: &mut dyn Write| {
+        fill(file).map_err(|error| match error.downcast::<std::io::Error>() {
+            Ok(error) => failed(error),
+            Err(error) => error,
+        })
+    };
     if is_written_in_place(path) {
         let mut file = BufWriter::new(File::options().write(true).open(path).map_err(failed)?);
         fill(&mut file)?;

@@ -298,9 +298,8 @@ density: answered, % of the scored pixels. bad2: off by more than 2 px, % of the
 by more than 0.5, 1, 2 px or unanswered, % of the scored. off10: off by more than a tenth of the depth or unanswered.
 epe: mean error of the answered, px. bad2@BM: bad2 of the most confident answers, as many as StereoBM 9 gives. auc: area under the curve of bad2 over the share of answers kept.
 SAD words, label pairs: comparisons of four pixels with four others, and of a label with a neighbour's, per pixel.
-without seeds: hypotheses from neighbours, and all disparities in the first block row. exhaustive search: all
-disparities in every block, with the same agreement: an upper bound of what better hypotheses could bring. The
-texture test makes walls without texture unknown; wherever the truth is known, that counts as bad in tot1 and tot2.
+without seeds: hypotheses from neighbours only. The texture test makes walls without texture unknown; wherever the
+truth is known, that counts as bad in tot1 and tot2.
 ";
 
 const HOW_TO_COUNT: &str = "

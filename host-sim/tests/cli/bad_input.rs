@@ -546,3 +546,22 @@ fn a_standard_output_that_takes_nothing() {
         assert!(outcome.stderr.contains("standard output"), "{line}: {}", outcome.stderr);
     }
 }
+
+#[test]
+fn a_file_that_is_no_recording_is_told_with_what_would_be_read() {
+    let bench = bench_with_plane(4);
+    for (name, advice) in [("take.db3", "ros2 bag convert"), ("take.bag", "mcap convert"), ("take.bin", "--raw")] {
+        bench.write(name, "bytes");
+        bench.refuses(&format!("play {name} -o out"), &[name, "is a file", advice]);
+    }
+    bench.write("take.mcap", "bytes of no recording");
+    let told = if cfg!(feature = "mcap") { "does not begin" } else { "--features mcap" };
+    bench.refuses("play take.mcap -o out", &["take.mcap", told]);
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn a_full_device_is_named() {
+    let bench = bench_with_plane(4);
+    bench.refuses("record left.png right.png --wiring line -o /dev/full", &["/dev/full", "cannot be written"]);
+}

@@ -19,6 +19,8 @@ mod encodings;
 mod eval;
 mod files;
 mod layouts;
+#[cfg(feature = "mcap")]
+mod mcap;
 mod overwrite;
 mod pipe;
 mod play;

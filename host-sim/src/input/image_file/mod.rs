@@ -47,6 +47,20 @@ pub fn read(path: &Path) -> Result<DynamicImage> {
     Ok(image)
 }
 
+/// Decodes the content of an image file.
+///
+/// # Errors
+/// Tells what is wrong with it.
+#[cfg(feature = "mcap")]
+pub fn of_bytes(bytes: &[u8]) -> Result<DynamicImage> {
+    ensure!(is_image(bytes), "is no PNG, PGM, PPM, BMP, JPEG or TIFF image");
+    let (image, caveat) = decode(bytes)?;
+    if let Some(caveat) = caveat {
+        caveat::tell(caveat, &"the recording");
+    }
+    Ok(image)
+}
+
 /// The content of a file that begins as an image does.
 fn read_bytes(path: &Path) -> Result<Vec<u8>> {
     let mut bytes = Vec::new();
@@ -71,10 +85,18 @@ fn is_image(head: &[u8]) -> bool {
 
 /// The image, and what is to be said about it. What panics in a decoder is damaged, too.
 fn decode(bytes: &[u8]) -> Result<(DynamicImage, Option<Caveat>)> {
+    guarded(|| decode_unguarded(bytes)).unwrap_or_else(|error| Err(damaged(error)))
+}
+
+/// Runs a decoder, whose panic means that its input is damaged.
+///
+/// # Errors
+/// If it panics.
+pub fn guarded<T>(decode: impl FnOnce() -> T) -> Result<T> {
     DECODING.set(true);
-    let decoded = catch_unwind(AssertUnwindSafe(|| decode_unguarded(bytes)));
+    let decoded = catch_unwind(AssertUnwindSafe(decode));
     DECODING.set(false);
-    decoded.unwrap_or_else(|_| Err(damaged("the decoder gave up")))
+    decoded.map_err(|_| anyhow!("the decoder gave up"))
 }
 
 fn decode_unguarded(bytes: &[u8]) -> Result<(DynamicImage, Option<Caveat>)> {

@@ -1,7 +1,7 @@
 //! Recordings: what a pair of cameras saw, frame by frame, in a folder.
 //!
 //! Either each view has a file of its own, in two folders or with a name that tells the camera; or each file
-//! holds both views; or all frames are in one file, a raw dump.
+//! holds both views; or all frames are in one file, a raw dump or an MCAP recording.
 //! Frames are counted from 0 in natural order; files that are no images by their suffix do not count.
 
 use std::fmt;
@@ -17,6 +17,8 @@ use super::raw_dump::RawFormat;
 use crate::StereoPair;
 
 mod cameras;
+#[cfg(feature = "mcap")]
+mod mcap;
 mod names;
 mod pairing;
 mod range;
@@ -71,7 +73,7 @@ pub enum Layout {
 }
 
 /// One frame of a recording, not read yet.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone)]
 pub struct RecordedFrame {
     /// Its place in the recording, from 0.
     pub index: usize,
@@ -83,7 +85,7 @@ pub struct RecordedFrame {
     shrink: Shrink,
 }
 
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone)]
 enum Source {
     /// A file of each view.
     Pair(PathBuf, PathBuf),
@@ -93,6 +95,9 @@ enum Source {
     Both(PathBuf, Split, Side),
     /// A frame of a raw dump, by its index.
     Raw(PathBuf, RawFormat, usize),
+    /// A moment of an MCAP file, by its index.
+    #[cfg(feature = "mcap")]
+    Mcap(std::sync::Arc<mcap::McapRecording>, usize),
 }
 
 /// How two views share an image.
@@ -116,7 +121,13 @@ pub fn find_frames(folder: &Path, layout: Layout) -> Result<Vec<RecordedFrame>> 
     if folder.is_file() && views::is_film(folder) {
         bail!("{name}: {}", film_advice(folder));
     }
-    ensure!(folder.is_dir(), "{name}: is a file, where a folder with a recording is expected");
+    if folder.is_file() && views::is_mcap(folder) {
+        #[cfg(feature = "mcap")]
+        return mcap::find_frames(folder, &layout);
+        #[cfg(not(feature = "mcap"))]
+        bail!("{name}: this build reads no MCAP: cargo install --path host-sim --locked --features mcap");
+    }
+    ensure!(folder.is_dir(), "{name}: is a file, where a folder with a recording is expected; {}", file_advice(folder));
     let cameras = match layout {
         Layout::SideBySide { first } => return find_split(folder, Split::SideBySide, first),
         Layout::TopBottom { first } => return find_split(folder, Split::TopBottom, first),
@@ -151,6 +162,15 @@ fn find_split(folder: &Path, split: Split, first: Side) -> Result<Vec<RecordedFr
     Ok(images.into_iter().enumerate().map(frame).collect())
 }
 
+/// How a file that is no folder of images is read.
+fn file_advice(file: &Path) -> &'static str {
+    match views::suffix(file).as_str() {
+        "db3" => "ros2 bag convert makes an MCAP file of it, which is read",
+        "bag" => "mcap convert makes an MCAP file of it, which is read",
+        _ => "a raw dump needs --raw WIDTHxHEIGHT",
+    }
+}
+
 /// How a film is read.
 fn film_advice(film: &Path) -> String {
     format!(
@@ -171,9 +191,17 @@ pub fn find_raw_frames(path: &Path, format: RawFormat) -> Result<Vec<RecordedFra
 }
 
 impl Source {
+    /// The file, that of the left view if there are two.
+    fn path(&self) -> &Path {
+        match self {
+            Self::Pair(path, _) | Self::Lone(path, _) | Self::Both(path, ..) | Self::Raw(path, ..) => path,
+            #[cfg(feature = "mcap")]
+            Self::Mcap(recording, _) => recording.path(),
+        }
+    }
+
     fn file_name(&self) -> String {
-        let (Self::Pair(path, _) | Self::Lone(path, _) | Self::Both(path, ..) | Self::Raw(path, ..)) = self;
-        path.file_name().unwrap_or_default().to_string_lossy().into_owned()
+        self.path().file_name().unwrap_or_default().to_string_lossy().into_owned()
     }
 }
 
@@ -190,10 +218,8 @@ impl RecordedFrame {
 
     /// The files that it is read from.
     pub fn files(&self) -> impl Iterator<Item = &Path> {
-        let (Source::Pair(path, _) | Source::Lone(path, _) | Source::Both(path, ..) | Source::Raw(path, ..)) =
-            &self.source;
         let other = if let Source::Pair(_, right) = &self.source { Some(right.as_path()) } else { None };
-        std::iter::once(path.as_path()).chain(other)
+        std::iter::once(self.source.path()).chain(other)
     }
 
     /// Reads both views.
@@ -207,6 +233,8 @@ impl RecordedFrame {
             Source::Lone(path, Side::Right) => bail!("{}: the left view is missing", path.display()),
             Source::Both(path, split, first) => read_both(path, *split, *first, self.shrink),
             Source::Raw(path, format, index) => format.read(path, *index).map(|pair| pair.shrunk(self.shrink)),
+            #[cfg(feature = "mcap")]
+            Source::Mcap(recording, moment) => recording.read(*moment, self.shrink),
         }
     }
 }

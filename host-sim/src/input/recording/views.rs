@@ -120,7 +120,13 @@ pub(super) fn is_film(path: &Path) -> bool {
     FILMS.contains(&suffix(path).as_str())
 }
 
-fn suffix(path: &Path) -> String {
+/// Whether it is an MCAP recording by its name.
+pub(super) fn is_mcap(path: &Path) -> bool {
+    suffix(path) == "mcap"
+}
+
+/// What a name ends in, in lower case.
+pub(super) fn suffix(path: &Path) -> String {
     path.extension().unwrap_or_default().to_string_lossy().to_lowercase()
 }
 

@@ -1,0 +1,47 @@
+//! The rig's description, with what options tell otherwise.
+
+use std::path::PathBuf;
+
+use anyhow::{Context, Result};
+use haarline_rig::Description;
+
+use super::SearchRange;
+use crate::input::frame::Shrink;
+use crate::{Geometry, input::rig_file};
+
+/// The rig.
+#[derive(Debug, clap::Args)]
+pub(in crate::command) struct RigArg {
+    /// Rig description (see haarline rig new): its search range, focal length, baseline, offsets and, for raw
+    /// dumps, wiring hold where no option tells otherwise; obstacles are looked for
+    #[arg(long, value_name = "FILE")]
+    rig: Option<PathBuf>,
+}
+
+impl RigArg {
+    /// Its file, if there is one.
+    pub(in crate::command) fn path(&self) -> Option<&PathBuf> {
+        self.rig.as_ref()
+    }
+
+    /// The description, if there is one, with the search range, focal length in px and baseline in mm of the
+    /// options where these tell some.
+    pub(in crate::command) fn read(
+        &self,
+        search: &SearchRange,
+        [focal_px, baseline_mm]: [Option<f64>; 2],
+        shrink: Shrink,
+    ) -> Result<Option<Description>> {
+        let Some(path) = &self.rig else { return Ok(None) };
+        let mut rig = rig_file::read(path)?;
+        rig.focal_px = focal_px.unwrap_or(rig.focal_px);
+        rig = rig_file::shrunk(&rig, shrink);
+        let config = search.or(&rig).config(rig.width)?;
+        (rig.min_disparity, rig.num_disparities) = (config.min_disparity, config.num_disparities);
+        rig.baseline_mm = baseline_mm.unwrap_or(rig.baseline_mm);
+        // Refuses what is not positive, in the options' words.
+        Geometry::new(rig.focal_px, rig.baseline_mm)?;
+        rig.check().with_context(|| path.display().to_string())?;
+        Ok(Some(rig))
+    }
+}
