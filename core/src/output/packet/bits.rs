@@ -24,6 +24,11 @@ impl Code {
         Self(bits | count << 16)
     }
 
+    /// Whether it is that one.
+    pub(super) const fn is(self, other: Self) -> bool {
+        self.0 == other.0
+    }
+
     #[inline(always)]
     const fn bits(self) -> u32 {
         self.0 & 0xffff
@@ -103,10 +108,11 @@ impl<'a> BitWriter<'a> {
         self.put_bits(code.bits(), code.count())
     }
 
-    /// Adds two codes of 31 bits at most.
+    /// Adds three codes of 31 bits at most.
     #[inline(always)]
-    pub(super) fn put_two(&mut self, first: Code, second: Code) -> Option<()> {
-        self.put_bits(first.bits() | second.bits() << first.count(), first.count() + second.count())
+    pub(super) fn put_three(&mut self, first: Code, second: Code, third: Code) -> Option<()> {
+        let bits = first.bits() | (second.bits() | third.bits() << second.count()) << first.count();
+        self.put_bits(bits, first.count() + second.count() + third.count())
     }
 
     /// Adds 31 bits at most.
