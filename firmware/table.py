@@ -24,7 +24,7 @@ FOUR = ["teddy", "cones", "v3q_motorcycle", "kitti15_000010"]
 COMPARED = [("lite", [48]), ("full", [48]), ("block", [16, 48, 64, 128]), ("sgm", [16, 48, 64, 128])]
 RANDOM_SEED = 1
 NOISES = [0, 10]
-STAGES = ["unpack", "features", "contours", "seeds", "blocks", "agreement", "consistency", "output", "total"]
+STAGES = ["unpack", "features", "contours", "seeds", "blocks", "agreement", "consistency", "output", "packets", "total"]
 
 
 def run(*arguments):

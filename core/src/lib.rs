@@ -72,7 +72,7 @@ pub use method::tile_pipeline;
 pub use method::{contour_stereo, envelope, full, lite, parts, pipeline, stereo, wavelet_block};
 #[cfg(feature = "packet")]
 pub use output::packet;
-pub use output::{fill, obstacle, rig};
+pub use output::{fill, frame_figures, obstacle, rig};
 
 pub use config::Config;
 pub use contour_stereo::{ContourSettings, ContourStereo};

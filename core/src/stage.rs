@@ -19,6 +19,8 @@ pub enum Stage {
     Consistency,
     /// Disparity rows handed over to whoever takes them.
     Output,
+    /// Packets made of them. No method's own work.
+    Packets,
 }
 
 impl Stage {
@@ -26,7 +28,7 @@ impl Stage {
     pub const COUNT: usize = Self::ALL.len();
 
     /// All of them, in the order of the work.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Unpack,
         Self::Features,
         Self::Contours,
@@ -35,6 +37,7 @@ impl Stage {
         Self::Agreement,
         Self::Consistency,
         Self::Output,
+        Self::Packets,
     ];
 
     /// Its name in reports.
@@ -49,6 +52,7 @@ impl Stage {
             Self::Agreement => "agreement",
             Self::Consistency => "consistency",
             Self::Output => "output",
+            Self::Packets => "packets",
         }
     }
 

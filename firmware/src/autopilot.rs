@@ -39,7 +39,7 @@ impl Pace {
 }
 
 /// Sends messages of vehicle `system` for ever. Without frames there are no obstacles to tell of, and nothing is
-/// repeated: the heartbeat says [`State::Blind`], and the autopilot's own time-out does the rest.
+/// repeated, of frames that do not match no sector is known: the heartbeat says [`State::Blind`], and the autopilot's own time-out does the rest.
 pub async fn autopilot<const SECTORS: usize>(
     sightings: &Sightings<SECTORS>,
     reach: &Reach,
@@ -52,8 +52,12 @@ pub async fn autopilot<const SECTORS: usize>(
     let mut pace = Pace::default();
     loop {
         match select(sightings.wait(), ticker.next()).await {
-            Either::First(Sighting { frame, begun_us, sectors, nearest_mm }) => {
-                (state, beats) = (State::Active, 0);
+            Either::First(Sighting { frame, begun_us, is_trusted, sectors, nearest_mm }) => {
+                let before = core::mem::replace(&mut state, if is_trusted { State::Active } else { State::Blind });
+                beats = 0;
+                if !is_trusted && before != State::Blind {
+                    defmt::warn!("the views do not match, or show nothing: telling the autopilot");
+                }
                 pace.take(begun_us);
                 let nearest_mm = nearest_mm.into_iter().take(sectors);
                 sink.send(frame, link.obstacle_distance(begun_us, reach, nearest_mm).as_bytes()).await;

@@ -20,6 +20,7 @@ use embassy_stm32::{Peripherals, bind_interrupts, dma, i2c};
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use embassy_sync::zerocopy_channel::Channel;
 use embassy_time::{Duration, Instant, Ticker};
+use haarline::frame_figures::FrameFigures;
 use haarline::{ConfigError, Full, Lite, Rectified, Setup, Stage, StereoMethod, blocks_for};
 use haarline_firmware::autopilot::Sightings;
 use haarline_firmware::capture::Patience;
@@ -31,7 +32,7 @@ use haarline_firmware::h743::settings::{self, Method};
 use haarline_firmware::h743::{clock, idle, reset, sensors};
 use haarline_firmware::lookout::Lookout;
 use haarline_firmware::rig::{PLAN, SECTORS};
-use haarline_firmware::ring::{From, RAW_ROWS, RESULT_ROWS, RawRow, ResultRow, SharedCounters, To};
+use haarline_firmware::ring::{From, RAW_ROWS, RESULT_PAIRS, RawRow, ResultRows, SharedCounters, To};
 use haarline_firmware::{autopilot, capture, results, stack, vision};
 use static_cell::{ConstStaticCell, StaticCell};
 
@@ -43,7 +44,8 @@ bind_interrupts!(struct Irqs {
 });
 
 const BLOCKS: usize = blocks_for(settings::WIDTH);
-/// The row packets' port. A row of 320 px has 200 bytes or so, and comes every 750 us at 5 frames a second.
+/// The row packets' port. Two rows of 320 px have 150 bytes or so, a quarter of a millisecond; at 5 frames a second they come
+/// every 1.5 ms.
 const ROWS_BAUD: u32 = 6_000_000;
 /// Bytes of row packets that one transfer takes.
 const ROWS_CHUNK: usize = 1088;
@@ -69,13 +71,13 @@ static METHOD_LITE: StaticCell<Lite<BLOCKS, Clock>> = StaticCell::new();
 static BEHIND: StaticCell<Behind> = StaticCell::new();
 static RAW_RING: ConstStaticCell<[RawRow; RAW_ROWS]> = ConstStaticCell::new([RawRow::EMPTY; RAW_ROWS]);
 static RAW: StaticCell<Channel<'static, CriticalSectionRawMutex, RawRow>> = StaticCell::new();
-static RESULTS: StaticCell<Channel<'static, CriticalSectionRawMutex, ResultRow>> = StaticCell::new();
+static RESULTS: StaticCell<Channel<'static, CriticalSectionRawMutex, ResultRows>> = StaticCell::new();
 static SIGHTINGS: Sightings<SECTORS> = Sightings::new();
 
 // Not for DMA, but to leave the fast memory to the pipeline and the stack.
 #[unsafe(link_section = ".dma")]
 #[expect(unsafe_code, reason = "a section of the linker script")]
-static RESULT_RING: DmaMemory<[ResultRow; RESULT_ROWS]> = DmaMemory::new();
+static RESULT_RING: DmaMemory<[ResultRows; RESULT_PAIRS]> = DmaMemory::new();
 static RESULT_RING_TAKEN: AtomicBool = AtomicBool::new(false);
 #[unsafe(link_section = ".dma")]
 #[expect(unsafe_code, reason = "a section of the linker script")]
@@ -161,7 +163,7 @@ fn start(spawner: Spawner, clock: Clock, p: Peripherals) {
     interrupt::UART4.set_priority(Priority::P6);
     let prompt = prompt::EXECUTOR.start(interrupt::UART4);
     prompt.spawn(capture_task(camera, raw_to).unwrap());
-    prompt.spawn(results_task(results_from, rows).unwrap());
+    prompt.spawn(results_task(results_from, rows, clock).unwrap());
     prompt.spawn(autopilot_task(mavlink).unwrap());
     spawner.spawn(vision_task(clock, behind_offset(clock), setup, raw_from, results_to, watchdog).unwrap());
     spawner.spawn(sensors_task([first, second], trigger).unwrap());
@@ -171,8 +173,8 @@ fn start(spawner: Spawner, clock: Clock, p: Peripherals) {
 // Functions of their own, so that what they need of the stack is needed one after the other and at start-up only.
 
 #[inline(never)]
-fn result_ring() -> &'static mut [ResultRow; RESULT_ROWS] {
-    RESULT_RING.take(&RESULT_RING_TAKEN, [ResultRow::EMPTY; _])
+fn result_ring() -> &'static mut [ResultRows; RESULT_PAIRS] {
+    RESULT_RING.take(&RESULT_RING_TAKEN, [ResultRows::EMPTY; _])
 }
 
 /// Builds the method.
@@ -204,7 +206,7 @@ async fn vision_task(
     method: &'static mut Behind,
     setup: Setup<SECTORS>,
     raw: From<RawRow>,
-    rows: To<ResultRow>,
+    rows: To<ResultRows>,
     watchdog: IndependentWatchdog<'static, IWDG1>,
 ) {
     let lookout = match Lookout::<SECTORS, BLOCKS, _>::new(&setup, |sighting| SIGHTINGS.signal(sighting)) {
@@ -232,8 +234,8 @@ async fn feed(clock: Clock, mut watchdog: IndependentWatchdog<'static, IWDG1>) {
 }
 
 #[embassy_executor::task]
-async fn results_task(rows: From<ResultRow>, serial: Serial) {
-    results::results(rows, serial, [settings::WIDTH, PLAN.height]).await;
+async fn results_task(rows: From<ResultRows>, serial: Serial, clock: Clock) {
+    results::results(rows, serial, [settings::WIDTH, PLAN.height], clock).await;
 }
 
 #[embassy_executor::task]
@@ -268,12 +270,22 @@ async fn statistics_task(clock: Clock) {
             counters.long,
             counters.stalled
         );
+        let last = COUNTERS.last_frame();
+        if let Some(FrameFigures { input, mismatch, sure }) = last.figures {
+            defmt::info!(
+                "input {=str}, mismatch {=u16} per mille, sure {=u16} per mille; frames not sent {=u32}",
+                input.name(),
+                mismatch.unwrap_or(0),
+                sure,
+                last.unsent_frames
+            );
+        }
         let now = Stage::ALL.map(|stage| clock.of(stage));
-        let [unpack, features, contours, seeds, blocks, agreement, consistency, output]: [u64; Stage::COUNT] =
+        let [unpack, features, contours, seeds, blocks, agreement, consistency, output, packets]: [u64; Stage::COUNT] =
             core::array::from_fn(|nth| now[nth] - before[nth]);
         before = now;
         defmt::info!(
-            "cycles: unpack {=u64}, features {=u64}, contours {=u64}, seeds {=u64}, blocks {=u64}, agreement {=u64}, consistency {=u64}, output {=u64}",
+            "cycles: unpack {=u64}, features {=u64}, contours {=u64}, seeds {=u64}, blocks {=u64}, agreement {=u64}, consistency {=u64}, output {=u64}, packets {=u64}",
             unpack,
             features,
             contours,
@@ -281,7 +293,8 @@ async fn statistics_task(clock: Clock) {
             blocks,
             agreement,
             consistency,
-            output
+            output,
+            packets
         );
         let (slept_before, told_before) = (slept, told);
         (slept, told) = (idle::slept_us(), Instant::now());

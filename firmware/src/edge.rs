@@ -1,7 +1,7 @@
 //! Where rows come from and where results go: the two edges in which boards differ.
 #![allow(async_fn_in_trait, reason = "one executor, nothing of it goes to another thread")]
 
-use haarline::StageClock;
+use haarline::{Stage, StageClock};
 
 /// What a source of rows tells.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -48,6 +48,9 @@ pub trait PacketSink {
 pub trait WorkClock: StageClock {
     /// The work on a row, or on the end of a frame, is done: what is executed from here on is no stage's.
     fn rest(&self, work: Work);
+
+    /// Begins a stage, of none if it is `None`, within another; which one that was, to go back to.
+    fn swap(&self, stage: Option<Stage>) -> Option<Stage>;
 }
 
 /// What was worked on.

@@ -1,5 +1,6 @@
 //! Looks for obstacles in the disparity rows as they pass.
 
+use haarline::frame_figures::{FrameFigures, Input, Trust};
 use haarline::obstacle::ObstacleError;
 use haarline::{DisparityRow, Obstacles, Setup};
 
@@ -10,6 +11,8 @@ pub struct Sighting<const SECTORS: usize> {
     pub frame: u32,
     /// When it began, µs after the start.
     pub begun_us: u64,
+    /// Whether the cameras are believed: else nothing is told, and no sector is known.
+    pub is_trusted: bool,
     /// Sectors that count, from the left.
     pub sectors: usize,
     /// Distance over the ground to the nearest obstacle of each, mm; `None` is unknown.
@@ -19,6 +22,7 @@ pub struct Sighting<const SECTORS: usize> {
 /// Takes rows, and tells after each frame what was in the way.
 pub struct Lookout<const SECTORS: usize, const BLOCKS: usize, T> {
     obstacles: Obstacles<SECTORS, BLOCKS>,
+    trust: Trust,
     tell: T,
 }
 
@@ -31,7 +35,7 @@ impl<const SECTORS: usize, const BLOCKS: usize, T: FnMut(Sighting<SECTORS>)> Loo
         let size = [setup.config.width, setup.height];
         let settings = haarline::obstacle::Settings::DEFAULT;
         let obstacles = Obstacles::new(size, setup.rig, setup.mounting, setup.sectors, settings)?;
-        Ok(Self { obstacles, tell })
+        Ok(Self { obstacles, trust: Trust::default(), tell })
     }
 
     /// Takes the next row of the frame.
@@ -39,11 +43,13 @@ impl<const SECTORS: usize, const BLOCKS: usize, T: FnMut(Sighting<SECTORS>)> Loo
         self.obstacles.push(row);
     }
 
-    /// The frame has ended: tells of it, and begins the next one.
-    pub fn end(&mut self, frame: u32, begun_us: u64) {
-        let mut sighting = Sighting { frame, begun_us, sectors: 0, nearest_mm: [None; SECTORS] };
+    /// The frame has ended, with these figures: tells of it, and begins the next one. While the views do not match nothing is
+    /// known.
+    pub fn end(&mut self, frame: u32, begun_us: u64, figures: Option<FrameFigures>) {
+        let is_trusted = self.trust.take(figures.map_or(Input::Ok, |figures| figures.input));
+        let mut sighting = Sighting { frame, begun_us, is_trusted, sectors: 0, nearest_mm: [None; SECTORS] };
         for (place, nearest_mm) in sighting.nearest_mm.iter_mut().zip(self.obstacles.nearest_mm()) {
-            *place = nearest_mm;
+            *place = nearest_mm.filter(|_| is_trusted);
             sighting.sectors += 1;
         }
         self.obstacles.start();

@@ -1,46 +1,89 @@
 //! The results task: disparity rows leave as packets.
 
-use haarline::DisparityRow;
-use haarline::packet::{Encoder, max_bytes};
+use haarline::packet::{Encoder, FrameEnd, PacketError, max_bytes};
+use haarline::{DisparityRow, Stage};
 
-use crate::edge::PacketSink;
-use crate::ring::{From, ResultKind, ResultRow};
+use crate::edge::{PacketSink, WorkClock};
+use crate::ring::{From, MAX_WIDTH, ResultKind, ResultRows};
 
 /// Room for the packet of the widest row.
-const PACKET: usize = max_bytes(320);
+#[expect(clippy::cast_possible_truncation, reason = "a few hundred columns")]
+const PACKET: usize = max_bytes(MAX_WIDTH as u16);
 
-/// Sends rows of `size` frames off until there are no more.
-pub async fn results(mut rows: From<ResultRow>, mut sink: impl PacketSink, size: [u16; 2]) {
-    let mut encoder = Encoder::new();
-    let mut buffer = [0; PACKET];
-    let (mut begun, mut sent) = (None, 0);
+/// Sends rows of `size` frames off until there are no more. A frame that nobody ended was cut: it is ended here.
+pub async fn results(mut rows: From<ResultRows>, mut sink: impl PacketSink, size: [u16; 2], clock: &impl WorkClock) {
+    let mut sender = Sender { encoder: Encoder::new(), buffer: [0; PACKET], clock };
+    let mut open: Option<(u32, FrameEnd)> = None;
     loop {
         let slot = rows.receive().await;
         if slot.kind == ResultKind::Over {
             break;
         }
         let frame = slot.place.frame;
-        if begun != Some(frame) {
-            (begun, sent) = (Some(frame), 0);
-            if let Ok(packet) = encoder.begin(frame, size, &slot.counters, &mut buffer) {
-                sink.send(frame, packet).await;
-            }
+        if let Some((cut, end)) = open
+            && cut != frame
+        {
+            let end = FrameEnd { is_cut: true, unsent_frames: end.unsent_frames + 1, ..end };
+            let packet = sender.make(|encoder, buffer| encoder.end(cut, &end, &slot.counters, buffer));
+            sink.send(cut, packet).await;
+            open = None;
         }
-        let packet = match slot.kind {
-            ResultKind::Row => {
-                sent += 1;
-                let disparity = slot.disparity.get(..slot.width).unwrap_or(&[]);
-                let confidence = slot.confidence.get(..slot.width).unwrap_or(&[]);
-                let row = DisparityRow { y: slot.place.row, disparity, confidence };
-                encoder.row(frame, row, &slot.counters, &mut buffer)
-            }
-            _ => encoder.end(frame, sent, &slot.counters, &mut buffer),
-        };
-        // The buffer is large enough for every row of the ring.
-        if let Ok(packet) = packet {
+        if open.is_none() {
+            let packet = sender.make(|encoder, buffer| encoder.begin(frame, size, &slot.counters, buffer));
             sink.send(frame, packet).await;
+        }
+        let (_, end) = open.get_or_insert((frame, FrameEnd { figures: None, is_cut: false, ..slot.end }));
+        if slot.kind == ResultKind::End {
+            let packet = sender.make(|encoder, buffer| encoder.end(frame, &slot.end, &slot.counters, buffer));
+            sink.send(frame, packet).await;
+            open = None;
+        } else {
+            end.rows += u32::try_from(slot.count).unwrap_or(0);
+            let row = |nth: usize| {
+                let width = slot.width;
+                let disparity = slot.disparity.get(nth).and_then(|row| row.get(..width)).unwrap_or(&[]);
+                let confidence = slot.confidence.get(nth).and_then(|row| row.get(..width)).unwrap_or(&[]);
+                let y = slot.place.row.saturating_add(u32::try_from(nth).unwrap_or(0));
+                DisparityRow { y, disparity, confidence }
+            };
+            let mut are_sent = false;
+            if slot.count == 2 {
+                let pair = [row(0), row(1)];
+                let packet = sender
+                    .make(|encoder, buffer| encoder.pair(frame, pair, buffer).map(|packet| packet.unwrap_or(&mut [])));
+                are_sent = !packet.is_empty();
+                if are_sent {
+                    sink.send(frame, packet).await;
+                }
+            }
+            if !are_sent {
+                for nth in 0..slot.count {
+                    let packet = sender.make(|encoder, buffer| encoder.row(frame, row(nth), buffer));
+                    sink.send(frame, packet).await;
+                }
+            }
         }
         rows.receive_done();
     }
     sink.finish().await;
+}
+
+/// Makes packets.
+struct Sender<'a, C> {
+    encoder: Encoder,
+    buffer: [u8; PACKET],
+    clock: &'a C,
+}
+
+impl<C: WorkClock> Sender<'_, C> {
+    /// The packet that `make` makes; none if there is none. The buffer is large enough for every row of the ring.
+    fn make<'b>(
+        &'b mut self,
+        make: impl FnOnce(&mut Encoder, &'b mut [u8]) -> Result<&'b mut [u8], PacketError>,
+    ) -> &'b [u8] {
+        let before = self.clock.swap(Some(Stage::Packets));
+        let packet = make(&mut self.encoder, &mut self.buffer);
+        self.clock.swap(before);
+        packet.map_or(&[], |packet| packet)
+    }
 }

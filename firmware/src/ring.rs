@@ -6,6 +6,7 @@ use embassy_sync::blocking_mutex::Mutex;
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use embassy_sync::zerocopy_channel::{Receiver, Sender};
 use haarline::framing::Place;
+use haarline::packet::FrameEnd;
 use haarline::{Counters, Disparity};
 
 /// Most columns of a view.
@@ -14,8 +15,8 @@ pub const MAX_WIDTH: usize = 320;
 pub const MAX_RAW: usize = 2 * MAX_WIDTH;
 /// Raw rows between capture and vision.
 pub const RAW_ROWS: usize = 8;
-/// Disparity rows between vision and results: more than come at once at the end of a frame.
-pub const RESULT_ROWS: usize = 16;
+/// Pairs of disparity rows between vision and results: more than come at once at the end of a frame.
+pub const RESULT_PAIRS: usize = 10;
 
 /// The sending end of a ring.
 pub type To<T> = Sender<'static, CriticalSectionRawMutex, T>;
@@ -58,56 +59,76 @@ impl RawRow {
 /// What vision tells results.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ResultKind {
-    /// A disparity row.
-    Row,
-    /// The frame has ended after that many rows, the place's.
+    /// One disparity row, or two.
+    Rows,
+    /// The frame has ended.
     End,
     /// There will be no more.
     Over,
 }
 
-/// A disparity row on its way out, or what stands in its place.
-pub struct ResultRow {
+/// Two disparity rows on their way out, one below the other, or what stands in their place.
+pub struct ResultRows {
     /// Which it is.
     pub kind: ResultKind,
-    /// Where it belongs.
+    /// Where the first row belongs.
     pub place: Place,
+    /// Rows that count: 1 or 2.
+    pub count: usize,
     /// Columns that count.
     pub width: usize,
     /// Disparity of each pixel.
-    pub disparity: [Disparity; MAX_WIDTH],
+    pub disparity: [[Disparity; MAX_WIDTH]; 2],
     /// Confidence of each pixel.
-    pub confidence: [u8; MAX_WIDTH],
+    pub confidence: [[u8; MAX_WIDTH]; 2],
     /// What had happened when it was made.
     pub counters: Counters,
+    /// Of an end: what became of the frame.
+    pub end: FrameEnd,
 }
 
-impl ResultRow {
+impl ResultRows {
     /// Nothing yet: all bits zero, so that a ring of it takes no flash.
     pub const EMPTY: Self = Self {
-        kind: ResultKind::Row,
+        kind: ResultKind::Rows,
         place: Place { frame: 0, row: 0 },
+        count: 0,
         width: 0,
-        disparity: [Disparity::from_bits(0); MAX_WIDTH],
-        confidence: [0; MAX_WIDTH],
+        disparity: [[Disparity::from_bits(0); MAX_WIDTH]; 2],
+        confidence: [[0; MAX_WIDTH]; 2],
         counters: Counters::ZERO,
+        end: FrameEnd::NONE,
     };
 }
 
-/// The counters that all tasks see.
-pub struct SharedCounters(Mutex<CriticalSectionRawMutex, Cell<Counters>>);
+/// What all tasks see: the counters, and what became of the last frame.
+pub struct SharedCounters(
+    Mutex<CriticalSectionRawMutex, Cell<Counters>>,
+    Mutex<CriticalSectionRawMutex, Cell<FrameEnd>>,
+);
 
 impl SharedCounters {
     /// All at zero.
     #[must_use]
     pub const fn new() -> Self {
-        Self(Mutex::new(Cell::new(Counters::ZERO)))
+        Self(Mutex::new(Cell::new(Counters::ZERO)), Mutex::new(Cell::new(FrameEnd::NONE)))
     }
 
     /// What they say now.
     #[must_use]
     pub fn get(&self) -> Counters {
         self.0.lock(Cell::get)
+    }
+
+    /// What became of the last frame.
+    #[must_use]
+    pub fn last_frame(&self) -> FrameEnd {
+        self.1.lock(Cell::get)
+    }
+
+    /// A frame ended.
+    pub fn end_frame(&self, end: FrameEnd) {
+        self.1.lock(|cell| cell.set(end));
     }
 
     /// What happened to the camera's frames; delivered rows are counted here.

@@ -1,27 +1,28 @@
 //! The vision task: raw rows in, disparity rows out.
 
 use haarline::framing::Place;
+use haarline::packet::FrameEnd;
 use haarline::{DisparityRow, Stage, StereoMethod, Wiring};
 
 use crate::edge::{Work, WorkClock};
 use crate::lookout::{Lookout, Sighting};
-use crate::ring::{From, MAX_WIDTH, RawKind, RawRow, ResultKind, ResultRow, SharedCounters, To};
+use crate::ring::{From, MAX_WIDTH, RawKind, RawRow, ResultKind, ResultRows, SharedCounters, To};
 
 /// Runs the stereo method over what comes until there is no more, and looks for obstacles where a `lookout` is
-/// given. Where nobody takes the results in time they are dropped: the counters tell of more rows than arrive.
+/// given. Where nobody takes the results in time their frame is dropped as a whole, and counted.
 pub async fn vision<const SECTORS: usize, const BLOCKS: usize>(
     method: &mut dyn StereoMethod,
     wiring: Wiring,
     clock: &impl WorkClock,
     lookout: Option<Lookout<SECTORS, BLOCKS, impl FnMut(Sighting<SECTORS>)>>,
     mut raw: From<RawRow>,
-    results: To<ResultRow>,
+    results: To<ResultRows>,
     counters: &SharedCounters,
 ) {
     let width = usize::from(method.config().width);
     let (mut left, mut right) = ([0; MAX_WIDTH], [0; MAX_WIDTH]);
     let (Some(left), Some(right)) = (left.get_mut(..width), right.get_mut(..width)) else { return };
-    let mut takers = Takers { lookout, results, counters };
+    let mut takers = Takers { lookout, results, counters, end: FrameEnd::NONE, waits: false };
     // The frame under way, and when it began.
     let mut open = None;
     loop {
@@ -34,6 +35,7 @@ pub async fn vision<const SECTORS: usize, const BLOCKS: usize>(
             method.finish(&mut |row| takers.row(&row, ended));
             clock.rest(Work::FrameEnd);
             open = None;
+            takers.end.figures = method.figures();
             takers.end(ended, begun_us);
         }
         let mut take = |row: DisparityRow<'_>| takers.row(&row, frame);
@@ -65,8 +67,12 @@ pub async fn vision<const SECTORS: usize, const BLOCKS: usize>(
 /// Who takes disparity rows.
 struct Takers<'a, const SECTORS: usize, const BLOCKS: usize, T> {
     lookout: Option<Lookout<SECTORS, BLOCKS, T>>,
-    results: To<ResultRow>,
+    results: To<ResultRows>,
     counters: &'a SharedCounters,
+    /// What becomes of the frame under way.
+    end: FrameEnd,
+    /// Whether an upper row waits in the ring for the one below it.
+    waits: bool,
 }
 
 impl<const SECTORS: usize, const BLOCKS: usize, T: FnMut(Sighting<SECTORS>)> Takers<'_, SECTORS, BLOCKS, T> {
@@ -75,28 +81,71 @@ impl<const SECTORS: usize, const BLOCKS: usize, T: FnMut(Sighting<SECTORS>)> Tak
         if let Some(lookout) = &mut self.lookout {
             lookout.row(row);
         }
-        let Some(slot) = self.results.try_send() else { return };
-        let width = row.disparity.len();
-        let (Some(disparity), Some(confidence)) = (slot.disparity.get_mut(..width), slot.confidence.get_mut(..width))
-        else {
+        if self.end.is_cut {
+            return;
+        }
+        let Some(slot) = self.results.try_send() else {
+            self.cut();
+            return;
+        };
+        let (width, nth) = (row.disparity.len(), usize::from(self.waits));
+        let (Some(disparity), Some(confidence)) = (slot.disparity.get_mut(nth), slot.confidence.get_mut(nth)) else {
+            return;
+        };
+        let (Some(disparity), Some(confidence)) = (disparity.get_mut(..width), confidence.get_mut(..width)) else {
             return;
         };
         disparity.copy_from_slice(row.disparity);
         confidence.copy_from_slice(row.confidence);
-        (slot.kind, slot.place, slot.width) = (ResultKind::Row, Place { frame, row: row.y }, width);
-        slot.counters = self.counters.get();
-        self.results.send_done();
+        if !self.waits {
+            (slot.kind, slot.place, slot.width) = (ResultKind::Rows, Place { frame, row: row.y }, width);
+        }
+        slot.count = nth + 1;
+        // Rows of a cell are sent together.
+        self.waits = !self.waits && row.y.is_multiple_of(2);
+        if !self.waits {
+            self.hand_on();
+        }
+    }
+
+    /// Hands the slot on that was written last.
+    fn hand_on(&mut self) {
+        if let Some(slot) = self.results.try_send() {
+            self.end.rows += u32::try_from(slot.count).unwrap_or(0);
+            slot.counters = self.counters.get();
+            self.results.send_done();
+        }
+    }
+
+    /// Nobody takes the rows in time: the frame is not sent to its end.
+    fn cut(&mut self) {
+        self.waits = false;
+        self.end.is_cut = true;
+        self.end.unsent_frames = self.end.unsent_frames.saturating_add(1);
     }
 
     /// Tells that a frame has ended.
     fn end(&mut self, frame: u32, begun_us: u64) {
-        if let Some(slot) = self.results.try_send() {
-            (slot.kind, slot.place) = (ResultKind::End, Place { frame, row: 0 });
-            slot.counters = self.counters.get();
-            self.results.send_done();
+        if self.waits {
+            self.waits = false;
+            self.hand_on();
         }
+        if self.end.rows > 0 || !self.end.is_cut {
+            match self.results.try_send() {
+                Some(slot) => {
+                    (slot.kind, slot.place) = (ResultKind::End, Place { frame, row: 0 });
+                    (slot.counters, slot.end) = (self.counters.get(), self.end);
+                    self.results.send_done();
+                }
+                // Whoever makes the packets sees by the next frame that there was no end.
+                None if !self.end.is_cut => self.cut(),
+                None => {}
+            }
+        }
+        self.counters.end_frame(self.end);
         if let Some(lookout) = &mut self.lookout {
-            lookout.end(frame, begun_us);
+            lookout.end(frame, begun_us, self.end.figures);
         }
+        self.end = FrameEnd { unsent_frames: self.end.unsent_frames, ..FrameEnd::NONE };
     }
 }

@@ -21,8 +21,13 @@ use crate::{Config, Disparity};
 
 /// What is added to the pixels of [`AnswerRow`], 1/64 px, so that none is negative.
 const OFFSET: i32 = 64 * 64;
+/// Keeps whole 1/16 px of two numbers of 1/64 px.
+const WHOLE: u32 = 0xfffc_fffc;
 /// Confidence of a guess: 1 to 15.
 const GUESS: u32 = 8;
+
+/// Confidence comes in steps of so much.
+const STEP: u32 = 8;
 
 /// Two image rows of answers, cell by cell.
 #[derive(Debug, Clone)]
@@ -78,7 +83,10 @@ impl<const WORDS: usize> AnswerRow<WORDS> {
         let (median_fours, median_rest) = median[..cells].as_chunks_mut::<4>();
         let (surface_fours, surface_rest) = surfaces[..cells].as_chunks_mut::<4>();
         medians(sources.rows, cells, &sources.worth.unique, sources.sure, |i, labels, certain| {
-            let certain = certain.to_le_bytes().map(|certain| splat(u32::from(certain)).to_le_bytes());
+            // What is finer than a step says nothing, and costs room in packets.
+            let certain = (certain & splat(!(STEP - 1) & 0xff))
+                .to_le_bytes()
+                .map(|certain| splat(u32::from(certain)).to_le_bytes());
             let labels_by_cell = labels.to_le_bytes();
             if let (Some(four), Some(median), Some(surfaces)) =
                 (fours.get_mut(i), median_fours.get_mut(i), surface_fours.get_mut(i))
@@ -125,19 +133,22 @@ impl<const WORDS: usize> AnswerRow<WORDS> {
             let (here, down) = blend_pair(here, word(values[0][i]), word(values[2][i]));
             // A quarter of the slope lies between two columns.
             let middle =
-                add_halves(here >> 2 & 0x3fff_3fff, splat_half((OFFSET - HALF.cast_signed() / 4).cast_unsigned()));
+                add_halves(here >> 2 & 0x3fff_3fff, splat_half((OFFSET - HALF.cast_signed() / 4 + 2).cast_unsigned()))
+                    & WHOLE;
             let thrice = add_halves(add_halves(across, across), across);
             let low = |word: u32| i32::from(word as u16 as i16);
             let high = |word: u32| word.cast_signed() >> 16;
+            // Each rounded to 1/16 px on its own: so a packet tells a cell by three small numbers.
+            let rounded = |slope: i32, bits: u32| ((slope + (1 << (bits - 1))) >> bits) << 2;
             for half in 0..2 {
                 let (near, far, middle) = if half == 0 {
-                    (low(across) >> 5, low(thrice) >> 5, middle & 0xffff | middle << 16)
+                    (rounded(low(across), 7), rounded(low(thrice), 7), middle & 0xffff | middle << 16)
                 } else {
-                    (high(across) >> 5, high(thrice) >> 5, middle >> 16 | middle & 0xffff_0000)
+                    (rounded(high(across), 7), rounded(high(thrice), 7), middle >> 16 | middle & 0xffff_0000)
                 };
                 pixels[i][half] = [sub_halves(middle, pair(far, near)), add_halves(middle, pair(near, far))];
             }
-            downs[i] = [(low(down) >> 4) as i16, (high(down) >> 4) as i16];
+            downs[i] = [rounded(low(down), 6) as i16, rounded(high(down), 6) as i16];
         }
     }
 

@@ -1,5 +1,6 @@
 //! The one interface of all stereo methods: a row in, a row out.
 
+use crate::frame_figures::FrameFigures;
 use crate::{Config, DisparityRow, RowError, ScanlinePair};
 
 /// A streaming stereo method.
@@ -26,6 +27,11 @@ pub trait StereoMethod {
 
     /// Ends the frame: delivers what is still inside, and begins the next one.
     fn finish(&mut self, sink: &mut dyn FnMut(DisparityRow<'_>));
+
+    /// What the last frame that was finished is worth as a whole, if the method tells that.
+    fn figures(&self) -> Option<FrameFigures> {
+        None
+    }
 }
 
 impl<M: StereoMethod + ?Sized> StereoMethod for &mut M {
@@ -47,5 +53,9 @@ impl<M: StereoMethod + ?Sized> StereoMethod for &mut M {
 
     fn finish(&mut self, sink: &mut dyn FnMut(DisparityRow<'_>)) {
         (**self).finish(sink);
+    }
+
+    fn figures(&self) -> Option<FrameFigures> {
+        (**self).figures()
     }
 }

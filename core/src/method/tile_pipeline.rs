@@ -20,6 +20,7 @@ use crate::method::deciding::{CellRows, Matching, MaybePaths};
 use crate::method::missing_rows::MissingRows;
 use crate::method::parts::{Parts, Seeds};
 use crate::method::pipeline::check_capacity;
+use crate::output::frame_figures::{FrameFigures, FrameSums};
 use crate::stage::{Stage, StageClock, Untimed};
 use crate::{Config, ConfigError, Disparity, DisparityRow, RowError, ScanlinePair, StereoMethod};
 
@@ -57,6 +58,9 @@ pub struct Tiled<M: Matching, const BLOCKS: usize, C = Untimed> {
     cells: M::Cells<BLOCKS>,
     evidence: Evidence<BLOCKS>,
     answer: AnswerRow<BLOCKS>,
+    sums: FrameSums,
+    /// Those of the last frame that ended.
+    figures: Option<FrameFigures>,
     disparity: [[Disparity; 4]; BLOCKS],
     /// Rows of this frame pushed or missed so far.
     rows: u32,
@@ -114,6 +118,8 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> Tiled<M, BLOCKS, C> {
             cells: M::Cells::EMPTY,
             evidence: Evidence::EMPTY,
             answer: AnswerRow::EMPTY,
+            sums: FrameSums::default(),
+            figures: None,
             disparity: [[Disparity::UNKNOWN; 4]; BLOCKS],
             rows: 0,
             answered: 0,
@@ -327,13 +333,20 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> Tiled<M, BLOCKS, C> {
             sure: floor.sure,
         };
         self.answer.answer(&self.config, &sources);
+        self.sums.count_sure(&self.answer.confidence[..cells]);
         self.answered += 1;
     }
 
     /// Measures the evidence of a cell row that is final.
     fn measure_evidence(&mut self, row: u32, floor: Floor) {
         let rows = features_of([&self.left, &self.right], row);
-        self.evidence.measure(row, &self.config, rows, &self.cells.row(row).label, floor);
+        let labels = &self.cells.row(row).label;
+        self.evidence.measure(row, &self.config, rows, labels, floor);
+        if FrameSums::is_sampled(row) {
+            let cells = usize::from(self.config.width).div_ceil(4);
+            let rows = rows.map(|view| view.map(|row| &row[..]));
+            self.sums.add(rows, &labels[..cells], self.config.min_disparity, floor);
+        }
     }
 
     /// Delivers the next row, if it is answered.
@@ -441,6 +454,7 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> StereoMethod for Tiled<M, 
         self.exposure = Exposure::new();
         self.histograms = [NoiseHistogram::new(), NoiseHistogram::new()];
         self.noise = Noise::default();
+        self.sums = FrameSums::default();
         (self.rows, self.answered, self.delivered, self.missing) = (0, 0, 0, MissingRows::default());
     }
 
@@ -448,6 +462,7 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> StereoMethod for Tiled<M, 
         pair.check(self.config.width)?;
         self.clock.enter(Stage::Features);
         self.missing.set(self.rows, false);
+        self.sums.compare(pair);
         self.measure_exposure(pair);
         let gain = self.exposure.gain();
         self.left.push(pair.left, gain);
@@ -475,6 +490,11 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> StereoMethod for Tiled<M, 
             self.right.push_again();
             self.advance(sink);
         }
+        self.figures = self.sums.figures();
         self.start();
+    }
+
+    fn figures(&self) -> Option<FrameFigures> {
+        self.figures
     }
 }

@@ -1,7 +1,8 @@
 //! What becomes of a row of disparities: depth by the geometry of the `rig`, the nearest `obstacle` in every
-//! direction, a `packet` for a wire; `fill` guesses what is unknown.
+//! direction, a `packet` for a wire; `fill` guesses what is unknown. `frame_figures` tells what all of it is worth.
 
 pub mod fill;
+pub mod frame_figures;
 pub mod obstacle;
 #[cfg(feature = "packet")]
 pub mod packet;

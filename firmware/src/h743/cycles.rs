@@ -66,4 +66,11 @@ impl WorkClock for CycleClock {
         self.go_to(REST);
         self.rows.set(self.rows.get().wrapping_add(1));
     }
+
+    fn swap(&self, stage: Option<Stage>) -> Option<Stage> {
+        let before = Stage::ALL.get(self.current.get()).copied();
+        // An interrupt may come in between: what it does goes to the one or the other.
+        critical_section::with(|_| self.go_to(stage.map_or(REST, Stage::index)));
+        before
+    }
 }

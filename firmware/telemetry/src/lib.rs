@@ -37,7 +37,7 @@ pub enum State {
     Starting,
     /// Frames come and are worked on: `MAV_STATE_ACTIVE`.
     Active,
-    /// No frame came out since the last heartbeat: `MAV_STATE_CRITICAL`.
+    /// No frame came out since the last heartbeat, or what came is no stereo pair: `MAV_STATE_CRITICAL`.
     Blind,
 }
 

@@ -102,7 +102,7 @@ impl Args {
         };
         let (scene, focal_px) = (Scene { noise, ..scene }, self.scene.focal_px());
         let rendering = scene.render();
-        let Run { map, elapsed } = pipeline::run(&mut *self.method.build(scene.config())?, &rendering.pair)?;
+        let Run { map, elapsed, .. } = pipeline::run(&mut *self.method.build(scene.config())?, &rendering.pair)?;
         let files = scene_files(&scene, &rendering, focal_px)?;
         let mut shown = map.clone();
         if self.method.has_guesses() {

@@ -125,8 +125,9 @@ impl Args {
             None => self.search.config(pair.width() as u16)?,
         };
         let rectification = rig.as_ref().map_or_else(Rectification::default, Rectification::from);
-        let Run { mut map, elapsed } = pipeline::run_rectified(&mut *method.build(config)?, &rectification, &pair)?;
-        let check = FrameCheck::of(&pair, &rectification, &map);
+        let Run { mut map, elapsed, figures } =
+            pipeline::run_rectified(&mut *method.build(config)?, &rectification, &pair)?;
+        let check = FrameCheck::told(figures, &pair, &rectification, &map);
         map.drop_below(min_confidence);
         let obstacles = rig.as_ref().map(|rig| Found::new(rig, &map, &check)).transpose()?;
         if self.fill {

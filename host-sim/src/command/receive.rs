@@ -5,10 +5,13 @@ use std::io::{self, ErrorKind, Read};
 use std::path::{Path, PathBuf};
 
 use anyhow::{Result, anyhow, ensure};
+use haarline::packet::VERSION;
 use serde::Serialize;
 
 use super::shared::MinConfidence;
 use super::{Finding, print};
+use haarline::frame_figures::Input;
+
 use crate::input::packet_stream::{PacketStream, ReceivedFrame};
 use crate::output::claims::Claims;
 use crate::output::growing::GrowingTable;
@@ -44,6 +47,8 @@ struct Summary {
     frames: usize,
     whole: usize,
     empty: u64,
+    cut: u64,
+    unsent_frames: u64,
 }
 
 impl Args {
@@ -76,8 +81,17 @@ impl Args {
             frames,
             whole,
             empty: tally.empty,
+            cut: tally.cut,
+            unsent_frames: tally.unsent_frames,
         };
         print(&if self.json { serde_json::to_string(&summary)? + "\n" } else { summary.text() })?;
+        if let Some((count, version)) = tally.other_version {
+            return Err(Finding(format!(
+                "{count} packets are of version {version}, this program reads version {VERSION}: build sender and receiver \
+                 from the same release"
+            ))
+            .into());
+        }
         ensure!(frames > 0, Finding("no frame came: are these the bytes of the row packets' port?".to_owned()));
         Ok(())
     }
@@ -95,16 +109,22 @@ struct Maps<'a> {
     names: Names,
     frames: usize,
     whole: usize,
+    warned: bool,
 }
 
 impl<'a> Maps<'a> {
     fn begin(folder: &'a Path, min_confidence: u8) -> Result<Self> {
         let table = GrowingTable::create(&folder.join("frames.csv"))?;
-        Ok(Self { folder, min_confidence, table, names: Names::default(), frames: 0, whole: 0 })
+        Ok(Self { folder, min_confidence, table, names: Names::default(), frames: 0, whole: 0, warned: false })
     }
 
     fn add(&mut self, mut frame: ReceivedFrame) -> Result<()> {
         frame.map.drop_below(self.min_confidence);
+        let input = frame.figures.map_or(Input::Ok, |figures| figures.input);
+        if let Some(advice) = input.advice().filter(|_| !self.warned) {
+            self.warned = true;
+            eprintln!("warning: frame {}: {advice}", frame.number);
+        }
         output::write(&self.folder.join(self.names.next(frame.number)), &pfm::encode(&frame.map))?;
         self.table.add(&Row::of(&frame))?;
         self.frames += 1;
@@ -134,10 +154,11 @@ impl Names {
 
 impl Summary {
     fn text(&self) -> String {
-        let Self { packets, damaged, lost, repeated, restarts, frames, whole, empty } = self;
+        let Self { packets, damaged, lost, repeated, restarts, frames, whole, empty, cut, unsent_frames } = self;
         format!(
             "{frames} frames, {whole} of them whole, {empty} more without a single row; {packets} packets, \
-             {damaged} damaged, {lost} lost, {repeated} repeated; the sender began anew {restarts} times\n"
+             {damaged} damaged, {lost} lost, {repeated} repeated; {cut} frames came in part and were dropped, the sender \
+             left out {unsent_frames}; it began anew {restarts} times\n"
         )
     }
 }
@@ -148,6 +169,9 @@ struct Row {
     frame: u32,
     whole: u8,
     missing_rows: usize,
+    input: Option<&'static str>,
+    mismatch_percent: Option<f64>,
+    share_sure: Option<f64>,
     frames: u32,
     rows: u32,
     dropped_rows: u32,
@@ -159,6 +183,11 @@ struct Row {
     dma_errors: u32,
 }
 
+/// Percent of per mille.
+fn percent(per_mille: u16) -> f64 {
+    f64::from(per_mille) / 10.0
+}
+
 impl Row {
     fn of(frame: &ReceivedFrame) -> Self {
         let c = &frame.counters;
@@ -166,6 +195,9 @@ impl Row {
             frame: frame.number,
             whole: u8::from(frame.is_whole),
             missing_rows: frame.missing_rows.len(),
+            input: frame.figures.map(|figures| figures.input.name()),
+            mismatch_percent: frame.figures.and_then(|figures| figures.mismatch).map(percent),
+            share_sure: frame.figures.map(|figures| percent(figures.sure)),
             frames: c.frames,
             rows: c.rows,
             dropped_rows: c.dropped_rows,
@@ -184,6 +216,7 @@ mod tests {
     use super::*;
     use crate::DisparityMap;
     use haarline::Counters;
+    use haarline::frame_figures::{FrameFigures, Input};
     use std::fs;
 
     #[test]
@@ -200,14 +233,15 @@ mod tests {
             number: 7,
             map: DisparityMap::with_capacity(4, 2),
             counters: Counters { frames: 8, rows: 2, overruns: 1, ..Counters::ZERO },
+            figures: Some(FrameFigures { input: Input::Ok, mismatch: Some(123), sure: 750 }),
             missing_rows: vec![1],
             is_whole: false,
         };
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("frames.csv");
         GrowingTable::create(&path).unwrap().add(&Row::of(&frame)).unwrap();
-        let wanted = "frame,whole,missing_rows,frames,rows,dropped_rows,dropped_frames,overruns,short,long,stalled,\
-                      dma_errors\n7,0,1,8,2,0,0,1,0,0,0,0\n";
+        let wanted = "frame,whole,missing_rows,input,mismatch_percent,share_sure,frames,rows,dropped_rows,dropped_frames,overruns,short,long,stalled,\
+                      dma_errors\n7,0,1,ok,12.3,75.0,8,2,0,0,1,0,0,0,0\n";
         assert_eq!(fs::read_to_string(&path).unwrap(), wanted);
     }
 }

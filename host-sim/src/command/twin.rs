@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use anyhow::{Context, Result, bail, ensure};
+use haarline::frame_figures::{FrameFigures, Input, Trust};
 use haarline::wiring::{First, Kind};
 use haarline::{Stage, Wiring};
 use haarline_rig::Description;
@@ -197,16 +198,24 @@ impl Args {
         let report = Report::read(&file("report.txt"))?;
         let maps = decode(fs::read(file("rows.bin")).context("the program left no results")?, [width, height])?;
         self.write(&maps, min_confidence)?;
-        let expected = self.expected(&footage.pairs, &request)?;
+        let (expected, figures): (Vec<_>, Vec<_>) = self.expected(&footage.pairs, &request)?.into_iter().unzip();
         let different = different(&maps, &expected, &request);
         let mut summary = self.summary(&request, &report, memory, maps.len(), different)?;
         if let Some(rig) = &rig {
             let text = fs::read_to_string(file("obstacles.txt")).context("the program left no obstacles")?;
             let found = obstacles::decode(&text)?;
             let mut finder = ObstacleFinder::new(rig)?;
-            let expected: Vec<_> = expected.iter().map(|map| finder.find(map)).collect();
+            let frame = |frame: u32| (frame % recorded) as usize;
+            // As on the chip: no sector is known while the views do not match.
+            let mut trust = Trust::default();
+            let mut find = |number: u32| {
+                let found = finder.find(&expected[frame(number)]);
+                let input = figures[frame(number)].map_or(Input::Ok, |figures| figures.input);
+                if trust.take(input) { found } else { vec![None; found.len()] }
+            };
+            let expected: Vec<_> = (0..frames).map(&mut find).collect();
             summary.obstacles_compared = Some(found.len());
-            let frames = (0..frames).filter(|frame| found.get(frame) != Some(&expected[(frame % recorded) as usize]));
+            let frames = (0..frames).filter(|&frame| found.get(&frame) != Some(&expected[frame as usize]));
             summary.different_obstacles = frames.collect();
             if let Some(path) = &self.obstacles {
                 let frames = found.into_iter().map(|(frame, nearest_mm)| FrameObstacles {
@@ -299,11 +308,15 @@ impl Args {
         Ok(())
     }
 
-    /// What the host makes of the recording.
-    fn expected(&self, pairs: &[StereoPair], request: &Request) -> Result<Vec<DisparityMap>> {
+    /// What the host makes of the recording: maps, and what the frames are worth.
+    fn expected(&self, pairs: &[StereoPair], request: &Request) -> Result<Vec<(DisparityMap, Option<FrameFigures>)>> {
         let mut method = self.method.build(request.config)?;
         let rectification = request.plan.as_ref().map_or_else(Rectification::default, Rectification::from);
-        pairs.iter().map(|pair| Ok(pipeline::run_rectified(&mut *method, &rectification, pair)?.map)).collect()
+        let mut run = |pair| {
+            let run = pipeline::run_rectified(&mut *method, &rectification, pair)?;
+            Ok((run.map, run.figures))
+        };
+        pairs.iter().map(&mut run).collect()
     }
 
     fn summary(

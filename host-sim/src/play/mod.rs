@@ -162,7 +162,7 @@ impl Player {
     fn match_one(&mut self, taken: Taken, pair: StereoPair, noise: Option<f64>) -> Result<Played> {
         let rectification = self.rig.as_ref().map_or_else(Rectification::default, |(rectification, _)| *rectification);
         let mut run = pipeline::run_rectified(&mut *self.method, &rectification, &pair)?;
-        let check = FrameCheck::of(&pair, &rectification, &run.map);
+        let check = FrameCheck::told(run.figures, &pair, &rectification, &run.map);
         run.map.drop_below(self.min_confidence);
         let report = FrameReport::played(&taken, &run, noise, &check);
         let map: DisparityMap = run.map;

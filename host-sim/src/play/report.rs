@@ -87,7 +87,12 @@ impl FrameReport {
         }
     }
 
-    pub(super) fn played(taken: &Taken, Run { map, elapsed }: &Run, noise: Option<f64>, check: &FrameCheck) -> Self {
+    pub(super) fn played(
+        taken: &Taken,
+        Run { map, elapsed, .. }: &Run,
+        noise: Option<f64>,
+        check: &FrameCheck,
+    ) -> Self {
         let is_unknown = |row: &&[haarline::Disparity]| !row.iter().any(|disparity| disparity.is_known());
         Self {
             frame: taken.index,

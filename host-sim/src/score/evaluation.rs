@@ -178,11 +178,14 @@ impl<'a> Evaluator<'a> {
     /// Degrades, matches and scores one scene, and writes its map.
     fn score(&self, scene: &Scene) -> Result<SceneScore> {
         let pair = self.views_of(scene)?;
-        let mut map = match self.source {
-            Source::Maps(folder) => map_file::read(folder, scene)?,
-            Source::Method(build) => pipeline::run(&mut *build(scene.config())?, &pair)?.map,
+        let (mut map, figures) = match self.source {
+            Source::Maps(folder) => (map_file::read(folder, scene)?, None),
+            Source::Method(build) => {
+                let run = pipeline::run(&mut *build(scene.config())?, &pair)?;
+                (run.map, run.figures)
+            }
         };
-        let check = FrameCheck::of(&pair, &Rectification::default(), &map);
+        let check = FrameCheck::told(figures, &pair, &Rectification::default(), &map);
         if self.fill {
             map.fill_holes();
         }

@@ -5,6 +5,8 @@
 //! make if nothing matched: 100 x sum |left - right| / (2 x sum |left|), over cells of 8 x 4 px of which the left view
 //! shows more than noise. Noise raises both sums, so that one limit does for all light.
 
+use haarline::frame_figures::FrameFigures;
+pub use haarline::frame_figures::{Input, Trust};
 use haarline::obstacle::Settings;
 use serde::Serialize;
 
@@ -17,47 +19,6 @@ use crate::{DisparityMap, Frame, StereoPair};
 pub const MOST_MISMATCH_PERCENT: f64 = 27.0;
 /// With a smaller share of cells that show something, percent, nothing was seen: in pure noise it is 0.3 at most.
 pub const LEAST_SEEN_PERCENT: f64 = 1.0;
-
-/// What a frame is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Input {
-    /// Two views of one scene.
-    Ok,
-    /// Something, but not two views of one scene, rectified and in order.
-    Mismatch,
-    /// Nothing to see: dark, a lens cap, fog, a blank wall.
-    NothingSeen,
-    /// Both views are the same image.
-    SameView,
-}
-
-impl Input {
-    /// As it is called in tables and JSON.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Ok => "ok",
-            Self::Mismatch => "mismatch",
-            Self::NothingSeen => "nothing-seen",
-            Self::SameView => "same-view",
-        }
-    }
-
-    /// What to check, if it is not as it should be.
-    #[must_use]
-    pub const fn advice(self) -> Option<&'static str> {
-        match self {
-            Self::Ok => None,
-            Self::Mismatch => Some(
-                "the views do not match: check that left and right are not swapped, that both are of one moment, \
-                 and that they are rectified, with no rows of offset between them",
-            ),
-            Self::NothingSeen => Some("nothing to see in the left view: check light, lens cap and exposure"),
-            Self::SameView => Some("left and right are the same image: check how the views are named or wired"),
-        }
-    }
-}
 
 /// The figures of a frame as a whole.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -72,7 +33,25 @@ pub struct FrameCheck {
     pub share_sure: f64,
 }
 
+impl From<FrameFigures> for FrameCheck {
+    fn from(FrameFigures { input, mismatch, sure }: FrameFigures) -> Self {
+        let percent = |per_mille: u16| f64::from(per_mille) / 10.0;
+        let (mismatch_percent, share_sure) = (mismatch.map(percent), percent(sure));
+        Self { input_ok: input == Input::Ok, input, mismatch_percent, share_sure }
+    }
+}
+
 impl FrameCheck {
+    /// What the method itself tells of the frame that it made `map` of, as a chip would; of a method that tells nothing the
+    /// same from map and views ([`FrameCheck::of`]).
+    ///
+    /// # Panics
+    /// If map and views differ in size.
+    #[must_use]
+    pub fn told(figures: Option<FrameFigures>, pair: &StereoPair, rig: &Rectification, map: &DisparityMap) -> Self {
+        figures.map_or_else(|| Self::of(pair, rig, map), Self::from)
+    }
+
     /// Checks a frame of cameras that are put right by `rig`, of which a method made `map`.
     ///
     /// # Panics
@@ -103,36 +82,6 @@ impl FrameCheck {
     pub fn words(&self) -> String {
         let mismatch = self.mismatch_percent.map_or_else(|| "-".to_owned(), |percent| format!("{percent:.0} %"));
         format!("{:.1} % sure, mismatch {mismatch}", self.share_sure)
-    }
-}
-
-/// Decides frame by frame whether obstacles are told at all. Cameras whose frames matched do not become swapped or bent
-/// from one frame to the next, but a thing close to cameras that are not quite rectified does not match: so of cameras
-/// that were right once it takes several wrong frames in a row.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Trust {
-    was_ok: bool,
-    mismatches: u32,
-}
-
-impl Trust {
-    /// Frames in a row that must not match before cameras that matched are no longer believed.
-    const PATIENCE: u32 = 8;
-
-    /// Takes the next frame; whether obstacles are told of it.
-    pub fn take(&mut self, input: Input) -> bool {
-        match input {
-            Input::Ok => {
-                *self = Self { was_ok: true, mismatches: 0 };
-                true
-            }
-            Input::Mismatch => {
-                self.mismatches = self.mismatches.saturating_add(1);
-                self.was_ok &= self.mismatches < Self::PATIENCE;
-                self.was_ok
-            }
-            Input::NothingSeen | Input::SameView => false,
-        }
     }
 }
 
@@ -343,19 +292,6 @@ mod tests {
         let pair = StereoPair { left, right: Frame::from_luma(160, 60, lower) };
         assert_eq!(check(&pair, &map).input, Input::Mismatch);
         assert_eq!(FrameCheck::of(&pair, &Rectification { ramp: Ramp::whole(3), columns: 0 }, &map).input, Input::Ok);
-    }
-
-    #[test]
-    fn cameras_that_matched_are_believed_for_a_while_and_others_not_at_all() {
-        let told = |inputs: &[Input]| {
-            let mut trust = Trust::default();
-            inputs.iter().map(|&input| trust.take(input)).collect::<Vec<bool>>()
-        };
-        let wrong = [Input::Mismatch; 9];
-        assert_eq!(told(&wrong), [false; 9]);
-        let first_right = [&[Input::Ok], &wrong[..], &[Input::Ok, Input::NothingSeen, Input::Mismatch]].concat();
-        let wanted = [[true; 8].as_slice(), &[false, false, true, false, true]].concat();
-        assert_eq!(told(&first_right), wanted);
     }
 
     #[test]

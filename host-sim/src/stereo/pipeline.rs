@@ -3,6 +3,7 @@
 use std::time::{Duration, Instant};
 
 use anyhow::{Result, ensure};
+use haarline::frame_figures::FrameFigures;
 use haarline::{Config, DisparityRow, Ramp, Rectified, ScanlinePair, StereoMethod};
 use haarline_rig::{Description, Plan};
 
@@ -18,6 +19,8 @@ pub struct Run {
     pub map: DisparityMap,
     /// Time spent in the method alone, from the first row in to the last row out.
     pub elapsed: Duration,
+    /// What the method tells of the frame as a whole.
+    pub figures: Option<FrameFigures>,
 }
 
 /// Streams a frame through `method`, row by row.
@@ -36,7 +39,7 @@ pub fn run(method: &mut dyn StereoMethod, pair: &StereoPair) -> Result<Run> {
         map.height,
         pair.height()
     );
-    Ok(Run { map, elapsed })
+    Ok(Run { map, elapsed, figures: method.figures() })
 }
 
 /// What is put right of a rig's frames.

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use anyhow::{Context, Result, ensure};
 use haarline::Disparity;
-use haarline::packet::{Content, Packet};
+use haarline::packet::Packet;
 
 use crate::DisparityMap;
 
@@ -23,10 +23,12 @@ pub fn decode(bytes: Vec<u8>, [width, height]: [usize; 2]) -> Result<BTreeMap<u3
             disparity: vec![Disparity::UNKNOWN; width * height],
             confidence: vec![0; width * height],
         });
-        if let Content::Row { y, .. } = packet.content {
-            ensure!((y as usize) < height, "the program delivered row {y} of a frame of {height} rows");
-            let at = y as usize * width..(y as usize + 1) * width;
-            packet.read_row(&mut map.disparity[at.clone()], &mut map.confidence[at])?;
+        let Some(rows) = packet.content.rows() else { continue };
+        for nth in 0..rows.count {
+            let y = rows.y as usize + usize::from(nth);
+            ensure!(y < height, "the program delivered row {y} of a frame of {height} rows");
+            let at = y * width..(y + 1) * width;
+            packet.read_row(nth, &mut map.disparity[at.clone()], &mut map.confidence[at])?;
         }
     }
     Ok(maps)
@@ -35,8 +37,8 @@ pub fn decode(bytes: Vec<u8>, [width, height]: [usize; 2]) -> Result<BTreeMap<u3
 #[cfg(test)]
 mod tests {
     use super::*;
+    use haarline::DisparityRow;
     use haarline::packet::{Encoder, max_bytes};
-    use haarline::{Counters, DisparityRow};
 
     #[test]
     fn rows_find_their_frame_and_place_and_missing_ones_are_unknown() {
@@ -45,7 +47,7 @@ mod tests {
         for (frame, y) in [(0, 0), (0, 1), (1, 1)] {
             let disparity = [Disparity::from_px((10 * frame + y) as i16); 4];
             let row = DisparityRow { y, disparity: &disparity, confidence: &[7; 4] };
-            bytes.extend_from_slice(encoder.row(frame, row, &Counters::ZERO, &mut buffer).unwrap());
+            bytes.extend_from_slice(encoder.row(frame, row, &mut buffer).unwrap());
         }
         let maps = decode(bytes.clone(), [4, 2]).unwrap();
         assert_eq!(maps.keys().copied().collect::<Vec<_>>(), [0, 1]);

@@ -6,7 +6,8 @@ use std::process::{Child, Command, Stdio};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use haarline::packet::{Encoder, max_bytes};
+use haarline::frame_figures::{FrameFigures, Input};
+use haarline::packet::{Encoder, FrameEnd, max_bytes};
 use haarline::{Counters, Disparity, DisparityRow};
 
 use crate::files::Map;
@@ -34,8 +35,10 @@ impl Sender {
         let counters = Counters { frames: frame + 1, ..Counters::ZERO };
         let mut bytes = self.encoder.begin(frame, [WIDTH, 1], &counters, &mut buffer).unwrap().to_vec();
         let row = DisparityRow { y: 0, disparity: &disparity, confidence: &confidence };
-        bytes.extend_from_slice(self.encoder.row(frame, row, &counters, &mut buffer).unwrap());
-        bytes.extend_from_slice(self.encoder.end(frame, 1, &counters, &mut buffer).unwrap());
+        bytes.extend_from_slice(self.encoder.row(frame, row, &mut buffer).unwrap());
+        let figures = FrameFigures { input: Input::Ok, mismatch: Some(123), sure: 750 };
+        let end = FrameEnd { rows: 1, figures: Some(figures), ..FrameEnd::NONE };
+        bytes.extend_from_slice(self.encoder.end(frame, &end, &counters, &mut buffer).unwrap());
         self.next += 1;
         bytes
     }

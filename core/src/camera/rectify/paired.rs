@@ -3,6 +3,7 @@
 //! Real pairs of small cameras look a few rows past each other. Whole rows need no frame buffer: the view
 //! that is ahead waits in a ring of as many rows as the offset has.
 
+use crate::frame_figures::FrameFigures;
 use crate::{Config, ConfigError, DisparityRow, RowError, ScanlinePair, StereoMethod};
 
 /// How far the right view is displaced against the left one, in whole pixels.
@@ -159,6 +160,10 @@ impl<M: StereoMethod, const ROWS: usize, const WIDTH: usize> StereoMethod for Pa
         }
         self.clear();
         self.method.finish(sink);
+    }
+
+    fn figures(&self) -> Option<FrameFigures> {
+        self.method.figures()
     }
 }
 

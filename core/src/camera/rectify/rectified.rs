@@ -1,6 +1,7 @@
 //! A stereo method behind a rig that is rectified as it streams.
 
 use super::{Offset, Ramp, RectifiedRow, Rectifier};
+use crate::frame_figures::{FrameFigures, Input};
 use crate::{Config, ConfigError, DisparityRow, RowError, ScanlinePair, StereoMethod};
 
 /// A stereo method behind a pair of displaced cameras: takes the rows as they come, hands on rectified ones.
@@ -12,6 +13,10 @@ pub struct Rectified<M, const ROWS: usize, const WIDTH: usize> {
     method: M,
     /// `None` where nothing is displaced.
     rectifier: Option<Rectifier<ROWS, WIDTH>>,
+    /// Whether the views differ in a row of this frame, before they are rectified.
+    differ: bool,
+    /// Whether those of the last frame were the same image.
+    were_same: bool,
 }
 
 impl<M: StereoMethod, const ROWS: usize, const WIDTH: usize> Rectified<M, ROWS, WIDTH> {
@@ -29,7 +34,7 @@ impl<M: StereoMethod, const ROWS: usize, const WIDTH: usize> Rectified<M, ROWS, 
         let is_straight = ramp.is_straight() && columns == 0;
         let size = [method.config().width, height];
         let rectifier = if is_straight { None } else { Some(Rectifier::new(size, ramp, columns)?) };
-        Ok(Self { method, rectifier })
+        Ok(Self { method, rectifier, differ: false, were_same: false })
     }
 
     /// The method behind.
@@ -67,19 +72,21 @@ impl<M: StereoMethod, const ROWS: usize, const WIDTH: usize> StereoMethod for Re
 
     fn start(&mut self) {
         self.rectifier.iter_mut().for_each(Rectifier::start);
+        self.differ = false;
         self.method.start();
     }
 
     fn push(&mut self, pair: ScanlinePair<'_>, sink: &mut dyn FnMut(DisparityRow<'_>)) -> Result<(), RowError> {
-        let Self { method, rectifier } = self;
+        let Self { method, rectifier, differ, .. } = self;
         let Some(rectifier) = rectifier else { return method.push(pair, sink) };
+        *differ = *differ || pair.left != pair.right;
         let mut outcome = Ok(());
         rectifier.push(pair, &mut |row| outcome = hand_on(method, &row, sink))?;
         outcome
     }
 
     fn miss(&mut self, sink: &mut dyn FnMut(DisparityRow<'_>)) {
-        let Self { method, rectifier } = self;
+        let Self { method, rectifier, .. } = self;
         let Some(rectifier) = rectifier else { return method.miss(sink) };
         // Its width is the method's.
         rectifier.miss(&mut |row| {
@@ -88,12 +95,20 @@ impl<M: StereoMethod, const ROWS: usize, const WIDTH: usize> StereoMethod for Re
     }
 
     fn finish(&mut self, sink: &mut dyn FnMut(DisparityRow<'_>)) {
-        let Self { method, rectifier } = self;
+        let Self { method, rectifier, differ, were_same } = self;
         if let Some(rectifier) = rectifier {
+            *were_same = !core::mem::take(differ);
             rectifier.finish(&mut |row| {
                 let _ = hand_on(method, &row, sink);
             });
         }
         method.finish(sink);
+    }
+
+    fn figures(&self) -> Option<FrameFigures> {
+        let figures = self.method.figures()?;
+        // Moved against each other, the same images are two.
+        let input = if self.were_same && figures.input != Input::NothingSeen { Input::SameView } else { figures.input };
+        Some(FrameFigures { input, ..figures })
     }
 }

@@ -1,27 +1,30 @@
 //! Row packets: a disparity row as a few bytes that survive a wire (feature `packet`).
 //!
-//! A frame is a packet that begins it, one for each row and one that ends it. Every packet carries a
-//! sequence number, the frame's number and the [`Counters`]; integers are postcard's variable-length
-//! ones, so that a count that is 0 costs a byte. A CRC-32 follows, and COBS takes the zeros out: a zero
+//! A frame is a packet that begins it, packets of a row or two, and one that ends it. Every packet carries a sequence
+//! number and the frame's number; the first and the last the [`Counters`], the last what the frame is worth
+//! ([`FrameEnd`]). Integers are postcard's variable-length ones. A CRC-32 follows, and COBS takes the zeros out: a zero
 //! ends each packet and occurs nowhere else, so a receiver that lost its place goes on at the next one.
 //!
-//! A row comes back exactly, whatever is in it. Where all is known four columns are sent at a time, by their steps
-//! ([`Coding::Cells`]), else equal neighbours once ([`Coding::Runs`]); a row in which that does not pay is sent as it is, so that no packet is longer than [`max_bytes`]
-//! tells: 1035 bytes for 320 px. A row of 320 px of a real scene is about 200 bytes from `lite` and
-//! `full` and takes a Cortex-M4 about 14 000 instructions; one of `block` is 410 to 520 bytes.
+//! Rows come back exactly, whatever is in them. Those of [`Full`](crate::Full) and [`Lite`](crate::Lite) go two at a time,
+//! as what was decided of each cell of 4 x 2 px ([`Content::Cells`]); rows of other methods one at a time, equal
+//! neighbours once ([`Content::Runs`]); a row in which that does not pay is sent as it is, so that no packet is longer than
+//! [`max_bytes`] tells: 1046 bytes for 320 px. Bytes a row and instructions: `docs/instructions.md`.
+//!
+//! This is version 2. The version is added to the checksum, so that a packet of another version is told from a damaged one
+//! ([`PacketError::Version`]).
 //!
 //! ```
 //! use haarline::packet::{Content, Encoder, Packet, max_bytes};
-//! use haarline::{Counters, Disparity, DisparityRow};
+//! use haarline::{Disparity, DisparityRow};
 //! let row = DisparityRow { y: 7, disparity: &[Disparity::from_px(3); 64], confidence: &[200; 64] };
 //! let mut buffer = [0; max_bytes(64)];
-//! let bytes = Encoder::new().row(0, row, &Counters::ZERO, &mut buffer)?;
-//! assert!(bytes.len() < 48 && bytes.iter().position(|&b| b == 0) == Some(bytes.len() - 1));
+//! let bytes = Encoder::new().row(0, row, &mut buffer)?;
+//! assert!(bytes.len() < 32 && bytes.iter().position(|&b| b == 0) == Some(bytes.len() - 1));
 //!
 //! let packet = Packet::decode(bytes)?;
-//! assert!(matches!(packet.content, Content::Row { y: 7, width: 64, .. }));
+//! assert!(matches!(packet.content, Content::Cells { y: 7, width: 64, is_single: true }));
 //! let (mut disparity, mut confidence) = ([Disparity::UNKNOWN; 64], [0; 64]);
-//! packet.read_row(&mut disparity, &mut confidence)?;
+//! packet.read_row(0, &mut disparity, &mut confidence)?;
 //! assert_eq!((&disparity[..], &confidence[..]), (row.disparity, row.confidence));
 //! # Ok::<(), haarline::packet::PacketError>(())
 //! ```
@@ -31,18 +34,29 @@ use core::fmt;
 use crc::{CRC_32_ISO_HDLC, Crc};
 use serde::{Deserialize, Serialize};
 
+use crate::frame_figures::FrameFigures;
 use crate::{Counters, Disparity, DisparityRow};
 
-mod coding;
+mod bits;
+mod cells;
+mod runs;
 mod stuffing;
 
 /// The checksum: that of Ethernet and zip. Its table is 1 KB.
 static CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 /// Bytes of the checksum, little-endian at the end.
 const CRC_BYTES: usize = 4;
-/// Bytes of the longest header: sequence, frame, nine counters and `y` of up to 5 bytes each, the width
-/// of up to 3, kind and coding of 1 each.
-const MAX_HEADER: usize = (1 + 1 + 9 + 1) * 5 + 3 + 1 + 1;
+/// Bytes of the longest header: sequence, frame, nine counters, rows and unsent frames of up to 5 bytes each, two figures
+/// of up to 3, and 1 each of the kind, whether the frame is cut, whether there are figures, a mismatch, and the verdict.
+const MAX_HEADER: usize = (1 + 1 + 9 + 2) * 5 + 2 * 3 + 5;
+/// The version of the packets: added to the checksum of all but the first one.
+pub const VERSION: u32 = 2;
+/// What is added to the checksum for a version.
+const fn mark(version: u32) -> u32 {
+    version - 1
+}
+/// Versions that are told from damage.
+const VERSIONS: core::ops::RangeInclusive<u32> = 1..=16;
 
 /// Bytes of the longest packet for rows of `width` px, its final zero included: the room an [`Encoder`]
 /// needs.
@@ -54,7 +68,7 @@ pub const fn max_bytes(width: u16) -> usize {
 
 /// Bytes of the longest packet before its zeros are taken out.
 const fn max_plain(width: u16) -> usize {
-    MAX_HEADER + coding::max_bytes(width) + CRC_BYTES
+    MAX_HEADER + runs::BYTES * width as usize + CRC_BYTES
 }
 
 /// What a packet tells.
@@ -66,32 +80,82 @@ pub enum Content {
         width: u16,
         /// Rows it should have.
         height: u16,
+        /// The sender's counts.
+        counters: Counters,
     },
-    /// A row of it.
-    Row {
+    /// Two rows of it, one below the other, or one; four columns of both at a time, by value, slopes and confidence.
+    Cells {
+        /// Row of the image, from 0 at the top; of two the upper one.
+        y: u32,
+        /// Pixels of a row.
+        width: u16,
+        /// Whether it is one row only.
+        is_single: bool,
+    },
+    /// A row of it: neighbours of the same disparity and confidence once, with their number.
+    Runs {
         /// Row of the image, from 0 at the top.
         y: u32,
         /// Pixels of it.
         width: u16,
-        /// How they are written.
-        coding: Coding,
+    },
+    /// A row of it, pixel by pixel.
+    Plain {
+        /// Row of the image, from 0 at the top.
+        y: u32,
+        /// Pixels of it.
+        width: u16,
     },
     /// It ends.
     End {
-        /// Rows that the method delivered, those without any measurement included.
-        rows: u32,
+        /// What became of it.
+        end: FrameEnd,
+        /// The sender's counts.
+        counters: Counters,
     },
 }
 
-/// How the pixels of a row are written.
+impl Content {
+    /// The first row and how many, and the pixels of each; none of what is no row.
+    #[must_use]
+    pub const fn rows(&self) -> Option<Rows> {
+        let (y, count, width) = match *self {
+            Self::Cells { y, width, is_single } => (y, 2 - is_single as u8, width),
+            Self::Runs { y, width } | Self::Plain { y, width } => (y, 1, width),
+            Self::Begin { .. } | Self::End { .. } => return None,
+        };
+        Some(Rows { y, count, width })
+    }
+}
+
+/// Which rows a packet has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Rows {
+    /// The first of them.
+    pub y: u32,
+    /// 1 or 2.
+    pub count: u8,
+    /// Pixels of each.
+    pub width: u16,
+}
+
+/// What is told of a frame once it is over.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Coding {
-    /// Neighbours of the same disparity and confidence once, with their number.
-    Runs,
-    /// Three bytes each: the disparity, little-endian, and the confidence.
-    Plain,
-    /// Four columns at a time, by their steps.
-    Cells,
+pub struct FrameEnd {
+    /// Rows that were sent, those without any measurement included.
+    pub rows: u32,
+    /// Frames since the start that were not sent to their end, because the wire was too slow; whoever receives a part of
+    /// one drops it. With this one, if it is one of them.
+    pub unsent_frames: u32,
+    /// Whether this is such a frame.
+    pub is_cut: bool,
+    /// The figures of the frame as a whole, if the method has any.
+    pub figures: Option<FrameFigures>,
+}
+
+impl FrameEnd {
+    /// Of a frame of which nothing was sent.
+    pub const NONE: Self = Self { rows: 0, unsent_frames: 0, is_cut: false, figures: None };
 }
 
 /// What stands before the pixels.
@@ -99,7 +163,6 @@ pub enum Coding {
 struct Header {
     sequence: u32,
     frame: u32,
-    counters: Counters,
     content: Content,
 }
 
@@ -118,6 +181,11 @@ pub enum PacketError {
     Row,
     /// The bytes are no packet: some are missing or the checksum differs.
     Damaged,
+    /// The packet is whole, but of another version of the packets.
+    Version {
+        /// Which one.
+        found: u32,
+    },
     /// The packet is whole, but of a form that this version does not know.
     Unknown,
     /// The packet is no row, or the room given is not as wide as the row.
@@ -130,6 +198,10 @@ impl fmt::Display for PacketError {
             Self::Buffer { needed, found } => write!(f, "a buffer of {found} bytes where a packet may need {needed}"),
             Self::Row => f.write_str("a row must have as many confidences as disparities, 65535 at most"),
             Self::Damaged => f.write_str("the packet is damaged"),
+            Self::Version { found } => write!(
+                f,
+                "a packet of version {found}, this is version {VERSION}: build sender and receiver from the same release"
+            ),
             Self::Unknown => f.write_str("the packet is whole, but of an unknown form"),
             Self::Width => f.write_str("the packet is not a row of this width"),
         }
@@ -163,7 +235,29 @@ impl Encoder {
         counters: &Counters,
         buffer: &'a mut [u8],
     ) -> Result<&'a mut [u8], PacketError> {
-        self.write(frame, Content::Begin { width, height }, counters, None, buffer)
+        self.write(frame, Content::Begin { width, height, counters: *counters }, None, buffer)
+    }
+
+    /// The packet of two rows of frame `frame`, one below the other: the used part of `buffer`. `None` if they do not go
+    /// together, as those of a method do that answers in cells of 4 x 2 px: each is to be sent alone then.
+    ///
+    /// # Errors
+    /// If the buffer is smaller than [`max_bytes`] of the rows' width, or a row is no row.
+    pub fn pair<'a>(
+        &mut self,
+        frame: u32,
+        [upper, lower]: [DisparityRow<'_>; 2],
+        buffer: &'a mut [u8],
+    ) -> Result<Option<&'a mut [u8]>, PacketError> {
+        let width = width_of(upper)?;
+        if width_of(lower)? != width || upper.y.checked_add(1) != Some(lower.y) {
+            return Err(PacketError::Row);
+        }
+        let content = Content::Cells { y: upper.y, width, is_single: false };
+        match self.write(frame, content, Some([upper, lower]), buffer) {
+            Err(PacketError::Row) => Ok(None),
+            written => written.map(Some),
+        }
     }
 
     /// The packet of a row of frame `frame`: the used part of `buffer`.
@@ -174,74 +268,78 @@ impl Encoder {
         &mut self,
         frame: u32,
         row: DisparityRow<'_>,
-        counters: &Counters,
         buffer: &'a mut [u8],
     ) -> Result<&'a mut [u8], PacketError> {
-        let width = u16::try_from(row.disparity.len()).map_err(|_| PacketError::Row)?;
-        if row.confidence.len() != row.disparity.len() {
-            return Err(PacketError::Row);
-        }
-        let y = row.y;
-        let content = |coding| Content::Row { y, width, coding };
+        let (y, width) = (row.y, width_of(row)?);
         // Methods that answer everything answer in cells; where something is unknown it comes in runs.
-        let is_whole = row.disparity.iter().all(|disparity| disparity.is_known());
-        let coding = if is_whole { Coding::Cells } else { Coding::Runs };
-        let short = self.write(frame, content(coding), counters, Some(row), &mut *buffer);
-        match short.map(|bytes| bytes.len()) {
-            // They need more bytes than the plain pixels.
-            Err(PacketError::Row) => self.write(frame, content(Coding::Plain), counters, Some(row), buffer),
-            Err(error) => Err(error),
-            Ok(count) => buffer.get_mut(..count).ok_or(PacketError::Row),
+        for content in [Content::Cells { y, width, is_single: true }, Content::Runs { y, width }] {
+            match self.write(frame, content, Some([row; 2]), &mut *buffer).map(|bytes| bytes.len()) {
+                // More bytes than the plain pixels.
+                Err(PacketError::Row) => {}
+                Err(error) => return Err(error),
+                Ok(count) => return buffer.get_mut(..count).ok_or(PacketError::Row),
+            }
         }
+        self.write(frame, Content::Plain { y, width }, Some([row; 2]), buffer)
     }
 
-    /// The packet that ends frame `frame` after `rows` rows: the used part of `buffer`.
+    /// The packet that ends frame `frame`: the used part of `buffer`.
     ///
     /// # Errors
     /// If the buffer is smaller than `max_bytes(0)`.
     pub fn end<'a>(
         &mut self,
         frame: u32,
-        rows: u32,
+        end: &FrameEnd,
         counters: &Counters,
         buffer: &'a mut [u8],
     ) -> Result<&'a mut [u8], PacketError> {
-        self.write(frame, Content::End { rows }, counters, None, buffer)
+        self.write(frame, Content::End { end: *end, counters: *counters }, None, buffer)
     }
 
-    /// Writes a packet and gives it the next number. [`PacketError::Row`] if the pixels need more bytes in
-    /// this coding than plain.
+    /// Writes a packet and gives it the next number. [`PacketError::Row`] if the pixels need more bytes in this coding than
+    /// plain, or cannot be written in it.
     fn write<'a>(
         &mut self,
         frame: u32,
         content: Content,
-        counters: &Counters,
-        row: Option<DisparityRow<'_>>,
+        rows: Option<[DisparityRow<'_>; 2]>,
         buffer: &'a mut [u8],
     ) -> Result<&'a mut [u8], PacketError> {
-        let width = if let Content::Row { width, .. } = content { width } else { 0 };
+        let width = content.rows().map_or(0, |rows| rows.width);
         let (needed, found) = (max_bytes(width), buffer.len());
         if found < needed {
             return Err(PacketError::Buffer { needed, found });
         }
-        let header = Header { sequence: self.sequence, frame, counters: *counters, content };
+        let header = Header { sequence: self.sequence, frame, content };
         let gap = stuffing::gap(max_plain(width));
-        let plain = buffer.get_mut(gap..).and_then(|room| write_plain(&header, row, room)).ok_or(PacketError::Row)?;
+        let plain = buffer.get_mut(gap..).and_then(|room| write_plain(&header, rows, room)).ok_or(PacketError::Row)?;
         let count = stuffing::stuff(buffer, gap, gap + plain).ok_or(PacketError::Row)?;
         self.sequence = self.sequence.wrapping_add(1);
         buffer.get_mut(..count).ok_or(PacketError::Row)
     }
 }
 
+/// The width of a row that is one.
+fn width_of(row: DisparityRow<'_>) -> Result<u16, PacketError> {
+    let width = u16::try_from(row.disparity.len()).map_err(|_| PacketError::Row)?;
+    if row.confidence.len() == row.disparity.len() { Ok(width) } else { Err(PacketError::Row) }
+}
+
 /// Header, pixels and checksum one after the other; how many bytes that are. With room for the longest
 /// packet, `None` only if the pixels need more bytes in this coding than plain.
-fn write_plain(header: &Header, row: Option<DisparityRow<'_>>, room: &mut [u8]) -> Option<usize> {
+fn write_plain(header: &Header, rows: Option<[DisparityRow<'_>; 2]>, room: &mut [u8]) -> Option<usize> {
     let mut count = postcard::to_slice(header, room).ok()?.len();
-    if let (Content::Row { width, coding, .. }, Some(row)) = (header.content, row) {
-        let room = room.get_mut(count..)?.get_mut(..coding::max_bytes(width))?;
-        count += coding::write(coding, row, room)?;
+    if let Some([upper, lower]) = rows {
+        let width = upper.disparity.len();
+        let room = room.get_mut(count..)?.get_mut(..runs::BYTES * width)?;
+        count += match header.content {
+            Content::Cells { .. } => cells::write(upper, lower, room)?,
+            Content::Runs { .. } => runs::write_runs(upper, room)?,
+            _ => runs::write_plain(upper, room)?,
+        };
     }
-    let checksum = CRC.checksum(room.get(..count)?).to_le_bytes();
+    let checksum = (CRC.checksum(room.get(..count)?) ^ mark(VERSION)).to_le_bytes();
     room.get_mut(count..)?.first_chunk_mut().map(|end| *end = checksum)?;
     Some(count + CRC_BYTES)
 }
@@ -253,8 +351,6 @@ pub struct Packet<'a> {
     pub sequence: u32,
     /// The frame it belongs to, counted by the sender.
     pub frame: u32,
-    /// The sender's counts when it was written.
-    pub counters: Counters,
     /// What it tells.
     pub content: Content,
     pixels: &'a [u8],
@@ -270,29 +366,35 @@ impl<'a> Packet<'a> {
         let bytes: &'a [u8] = bytes;
         let bytes = bytes.get(..count).ok_or(PacketError::Damaged)?;
         let (told, checksum) = bytes.split_last_chunk::<CRC_BYTES>().ok_or(PacketError::Damaged)?;
-        if CRC.checksum(told) != u32::from_le_bytes(*checksum) {
-            return Err(PacketError::Damaged);
+        let difference = CRC.checksum(told) ^ u32::from_le_bytes(*checksum);
+        if difference != mark(VERSION) {
+            let other = VERSIONS.into_iter().find(|&version| mark(version) == difference);
+            return Err(other.map_or(PacketError::Damaged, |found| PacketError::Version { found }));
         }
         let (header, pixels) = postcard::take_from_bytes::<Header>(told).map_err(|_| PacketError::Unknown)?;
-        let Header { sequence, frame, counters, content } = header;
-        let is_row = matches!(content, Content::Row { .. });
-        if !is_row && !pixels.is_empty() {
+        let Header { sequence, frame, content } = header;
+        if content.rows().is_none() && !pixels.is_empty() {
             return Err(PacketError::Unknown);
         }
-        Ok(Self { sequence, frame, counters, content, pixels })
+        Ok(Self { sequence, frame, content, pixels })
     }
 
-    /// The pixels of a row, into room for exactly as many.
+    /// The pixels of a row, of the upper one (0) or of the one below it (1), into room for exactly as many.
     ///
     /// # Errors
-    /// If the packet is no row of this width, or of an unknown form; the room may be partly written
+    /// If the packet has no such row of this width, or is of an unknown form; the room may be partly written
     /// then.
-    pub fn read_row(&self, disparity: &mut [Disparity], confidence: &mut [u8]) -> Result<(), PacketError> {
-        let Content::Row { width, coding, .. } = self.content else { return Err(PacketError::Width) };
-        if [disparity.len(), confidence.len()] != [usize::from(width); 2] {
+    pub fn read_row(&self, nth: u8, disparity: &mut [Disparity], confidence: &mut [u8]) -> Result<(), PacketError> {
+        let Some(Rows { width, count, .. }) = self.content.rows() else { return Err(PacketError::Width) };
+        if nth >= count || [disparity.len(), confidence.len()] != [usize::from(width); 2] {
             return Err(PacketError::Width);
         }
-        coding::read(coding, self.pixels, disparity, confidence).ok_or(PacketError::Unknown)
+        let read = match self.content {
+            Content::Cells { .. } => cells::read(self.pixels, nth == 1, disparity, confidence),
+            Content::Runs { .. } => runs::read_runs(self.pixels, disparity, confidence),
+            _ => runs::read_plain(self.pixels, disparity, confidence),
+        };
+        read.ok_or(PacketError::Unknown)
     }
 }
 

@@ -15,8 +15,20 @@ pub(super) fn stuff(buffer: &mut [u8], gap: usize, end: usize) -> Option<usize> 
     // How far it is from the last code to here, and so what to write there. Bytes are written behind
     // those that are read: what was added is never more than the gap.
     let (mut code_at, mut code, mut to) = (0, 1, 1);
-    for from in gap..end {
+    let mut from = gap;
+    while from < end {
+        // Mostly four bytes without a zero.
+        if from + 4 <= end && code <= 250 {
+            let four = *buffer.get(from..)?.first_chunk()?;
+            let word = u32::from_le_bytes(four);
+            if word.wrapping_sub(0x0101_0101) & !word & 0x8080_8080 == 0 {
+                *buffer.get_mut(to..)?.first_chunk_mut()? = four;
+                (from, to, code) = (from + 4, to + 4, code + 4);
+                continue;
+            }
+        }
         let byte = *buffer.get(from)?;
+        from += 1;
         if byte != 0 {
             *buffer.get_mut(to)? = byte;
             to += 1;

@@ -9,7 +9,7 @@ use haarline::obstacle::MAX_SECTORS;
 use haarline::{Rectified, Setup, StereoMethod, Wiring, blocks_for};
 use haarline_firmware::capture::Patience;
 use haarline_firmware::lookout::Lookout;
-use haarline_firmware::ring::{From, MAX_WIDTH, RAW_ROWS, RESULT_ROWS, RawRow, ResultRow, SharedCounters, To};
+use haarline_firmware::ring::{From, MAX_WIDTH, RAW_ROWS, RESULT_PAIRS, RawRow, ResultRows, SharedCounters, To};
 use haarline_firmware::{capture, results, stack, vision};
 use semihosting::fs::File;
 use semihosting::{eprintln, process};
@@ -31,9 +31,10 @@ pub static COUNTERS: SharedCounters = SharedCounters::new();
 
 static CLOCK: ConstStaticCell<TwinClock> = ConstStaticCell::new(TwinClock::new());
 static RAW_RING: ConstStaticCell<[RawRow; RAW_ROWS]> = ConstStaticCell::new([RawRow::EMPTY; RAW_ROWS]);
-static RESULT_RING: ConstStaticCell<[ResultRow; RESULT_ROWS]> = ConstStaticCell::new([ResultRow::EMPTY; RESULT_ROWS]);
+static RESULT_RING: ConstStaticCell<[ResultRows; RESULT_PAIRS]> =
+    ConstStaticCell::new([ResultRows::EMPTY; RESULT_PAIRS]);
 static RAW: StaticCell<Channel<'static, CriticalSectionRawMutex, RawRow>> = StaticCell::new();
-static RESULTS: StaticCell<Channel<'static, CriticalSectionRawMutex, ResultRow>> = StaticCell::new();
+static RESULTS: StaticCell<Channel<'static, CriticalSectionRawMutex, ResultRows>> = StaticCell::new();
 static BEHIND: StaticCell<Behind> = StaticCell::new();
 static EXECUTOR: StaticCell<Executor> = StaticCell::new();
 
@@ -102,7 +103,7 @@ fn spawn(spawner: Spawner, parts: Parts) {
     // Each is spawned once, at start-up.
     spawner.spawn(capture_task(source, raw_to, options).unwrap());
     spawner.spawn(vision_task(method, options.wiring, clock, watch, raw_from, results_to).unwrap());
-    spawner.spawn(results_task(results_from, sink, size).unwrap());
+    spawner.spawn(results_task(results_from, sink, size, clock).unwrap());
 }
 
 #[embassy_executor::task]
@@ -117,7 +118,7 @@ async fn vision_task(
     clock: &'static TwinClock,
     watch: Option<Watch>,
     raw: From<RawRow>,
-    rows: To<ResultRow>,
+    rows: To<ResultRows>,
 ) {
     let lookout = watch.map(|Watch { setup, mut file }| {
         let looking = Lookout::<MAX_SECTORS, { blocks_for(320) }, _>::new(&setup, move |sighting| {
@@ -132,6 +133,6 @@ async fn vision_task(
 }
 
 #[embassy_executor::task]
-async fn results_task(rows: From<ResultRow>, sink: FileSink, size: [u16; 2]) {
-    results::results(rows, sink, size).await;
+async fn results_task(rows: From<ResultRows>, sink: FileSink, size: [u16; 2], clock: &'static TwinClock) {
+    results::results(rows, sink, size, clock).await;
 }

@@ -116,9 +116,9 @@ impl TwinClock {
         self.spent[index].get().saturating_sub(self.entered[index].get() * self.own.get())
     }
 
-    /// Instructions of all stages.
+    /// Instructions of all stages of the method: packets are told apart.
     pub fn total(&self) -> u64 {
-        (0..Stage::COUNT).map(|index| self.net(index)).sum()
+        (0..Stage::COUNT).filter(|&index| index != Stage::Packets.index()).map(|index| self.net(index)).sum()
     }
 
     /// Adds what was executed since the last change to the stage that ends.
@@ -155,6 +155,12 @@ impl WorkClock for TwinClock {
             }
             Work::FrameEnd => self.rows.ends.update(|sum| sum + spent),
         }
+    }
+
+    fn swap(&self, stage: Option<Stage>) -> Option<Stage> {
+        let before = Stage::ALL.get(self.current.get()).copied();
+        self.go_to(stage.map_or(REST, Stage::index));
+        before
     }
 }
 

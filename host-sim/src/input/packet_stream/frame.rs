@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use haarline::frame_figures::FrameFigures;
 use haarline::{Counters, Disparity, DisparityRow};
 
 use super::ReceivedFrame;
@@ -12,6 +13,7 @@ use crate::DisparityMap;
 pub(super) struct OpenFrame {
     pub(super) number: u32,
     pub(super) counters: Counters,
+    pub(super) figures: Option<FrameFigures>,
     /// Columns and rows that its beginning told.
     begun: Option<[u16; 2]>,
     rows: BTreeMap<u32, (Vec<Disparity>, Vec<u8>)>,
@@ -19,7 +21,7 @@ pub(super) struct OpenFrame {
 
 impl OpenFrame {
     pub(super) fn new(number: u32) -> Self {
-        Self { number, counters: Counters::ZERO, begun: None, rows: BTreeMap::new() }
+        Self { number, counters: Counters::ZERO, figures: None, begun: None, rows: BTreeMap::new() }
     }
 
     /// Its beginning. Takes out the rows that came before and do not fit; how many these are.
@@ -62,6 +64,7 @@ impl OpenFrame {
             }
         }
         let is_whole = self.begun.is_some() && told == Some(height) && missing_rows.is_empty();
-        Some(ReceivedFrame { number: self.number, map, counters: self.counters, missing_rows, is_whole })
+        let Self { number, counters, figures, .. } = self;
+        Some(ReceivedFrame { number, map, counters, figures, missing_rows, is_whole })
     }
 }

@@ -1,5 +1,6 @@
 //! Maps from the row packets that a chip sends: what came through, and what was lost on the way.
 
+use haarline::frame_figures::FrameFigures;
 use haarline::packet::{Content, Packet, PacketError, max_bytes};
 use haarline::{Config, Counters, Disparity};
 
@@ -32,6 +33,12 @@ pub struct Tally {
     pub restarts: u64,
     /// Frames of which no row came: there is no map of them.
     pub empty: u64,
+    /// Frames of which the sender sent a part only, because the wire was too slow: there is no map of them.
+    pub cut: u64,
+    /// Frames that the sender did not send to their end since it began, as the last end told.
+    pub unsent_frames: u64,
+    /// Packets of another version, which cannot be read, and the last one's.
+    pub other_version: Option<(u64, u32)>,
 }
 
 /// A frame put together from its packets.
@@ -41,8 +48,10 @@ pub struct ReceivedFrame {
     pub number: u32,
     /// Its disparities; rows that did not come are unknown. At least one came.
     pub map: DisparityMap,
-    /// The sender's counts in the last packet of it that came.
+    /// The sender's counts at its end, or at its beginning if no end came.
     pub counters: Counters,
+    /// What it is worth as a whole, if the sender told that.
+    pub figures: Option<FrameFigures>,
     /// Rows that did not come.
     pub missing_rows: Vec<u32>,
     /// Whether its beginning, its end and every row in between came.
@@ -120,15 +129,20 @@ impl PacketStream {
         // The room is used again.
         pending.clear();
         self.pending = pending;
-        ended.unwrap_or_else(|_| {
-            self.tally.damaged += 1;
+        ended.unwrap_or_else(|error| {
+            if let PacketError::Version { found } = error {
+                let count = self.tally.other_version.map_or(0, |(count, _)| count);
+                self.tally.other_version = Some((count + 1, found));
+            } else {
+                self.tally.damaged += 1;
+            }
             None
         })
     }
 
     /// What a packet tells; the frame that ended with it.
     fn take(&mut self, packet: &Packet<'_>, fingerprint: u64) -> Result<Option<ReceivedFrame>, PacketError> {
-        let row = read_row(packet)?;
+        let rows = read_rows(packet)?;
         let arrival = self.order.place(packet.sequence, fingerprint);
         let is_of_open = self.open.as_ref().is_some_and(|open| open.number == packet.frame);
         if arrival == Arrival::Repeated || arrival == Arrival::Late && !is_of_open {
@@ -145,17 +159,30 @@ impl PacketStream {
         self.tally.restarts += u64::from(arrival == Arrival::Restart);
         let ended = if is_another { self.close(None) } else { None };
         let open = self.open.get_or_insert_with(|| OpenFrame::new(packet.frame));
-        open.counters = packet.counters;
-        let fits = match (packet.content, row) {
-            (Content::Begin { width, height }, _) => {
+        match packet.content {
+            Content::Begin { width, height, counters } => {
+                open.counters = counters;
                 self.tally.damaged += open.begin(width, height);
-                true
             }
-            (_, Some((y, disparity, confidence))) => open.add(y, disparity, confidence),
-            (Content::End { rows }, _) => return Ok(ended.or(self.close(Some(rows)))),
-            _ => true,
-        };
-        self.tally.damaged += u64::from(!fits);
+            Content::End { end, counters } => {
+                (open.counters, open.figures) = (counters, end.figures);
+                self.tally.unsent_frames = end.unsent_frames.into();
+                if end.is_cut {
+                    // What came of it is no frame.
+                    self.open = None;
+                    self.tally.cut += 1;
+                    return Ok(ended);
+                }
+                return Ok(ended.or(self.close(Some(end.rows))));
+            }
+            _ => {
+                let fits = rows.into_iter().fold(true, |fit, (y, disparity, confidence)| {
+                    let fits = open.add(y, disparity, confidence);
+                    fit && fits
+                });
+                self.tally.damaged += u64::from(!fits);
+            }
+        }
         Ok(ended)
     }
 
@@ -168,19 +195,25 @@ impl PacketStream {
     }
 }
 
-/// The row of a packet that is one, and a check of what the others announce.
-#[expect(clippy::type_complexity, reason = "a row's parts, taken apart at once")]
-fn read_row(packet: &Packet<'_>) -> Result<Option<(u32, Vec<Disparity>, Vec<u8>)>, PacketError> {
-    let (width, rows) = match packet.content {
-        Content::Begin { width, height } => (width, height.into()),
-        Content::Row { y, width, .. } => (width, y.saturating_add(1)),
-        Content::End { rows } => (0, rows),
+/// A row: its place, disparities and confidences.
+type Row = (u32, Vec<Disparity>, Vec<u8>);
+
+/// The rows of a packet, none of one that has none, and a check of what the others announce.
+fn read_rows(packet: &Packet<'_>) -> Result<Vec<Row>, PacketError> {
+    let rows = packet.content.rows();
+    let (width, height) = match packet.content {
+        Content::Begin { width, height, .. } => (width, height.into()),
+        Content::End { end, .. } => (0, end.rows),
+        _ => rows.map_or((0, 0), |rows| (rows.width, rows.y.saturating_add(rows.count.into()))),
     };
-    if width > Config::MAX_WIDTH || rows > MAX_HEIGHT.into() {
+    if width > Config::MAX_WIDTH || height > MAX_HEIGHT.into() {
         return Err(PacketError::Width);
     }
-    let Content::Row { y, .. } = packet.content else { return Ok(None) };
-    let (mut disparity, mut confidence) = (vec![Disparity::UNKNOWN; width.into()], vec![0; width.into()]);
-    packet.read_row(&mut disparity, &mut confidence)?;
-    Ok(Some((y, disparity, confidence)))
+    let Some(rows) = rows else { return Ok(Vec::new()) };
+    let read = |nth: u8| {
+        let (mut disparity, mut confidence) = (vec![Disparity::UNKNOWN; width.into()], vec![0; width.into()]);
+        packet.read_row(nth, &mut disparity, &mut confidence)?;
+        Ok((rows.y + u32::from(nth), disparity, confidence))
+    };
+    (0..rows.count).map(read).collect()
 }

@@ -1,6 +1,6 @@
 use super::*;
 use haarline::DisparityRow;
-use haarline::packet::Encoder;
+use haarline::packet::{Encoder, FrameEnd};
 
 const SIZE: [u16; 2] = [40, 6];
 
@@ -16,6 +16,10 @@ fn map(frame: u32) -> DisparityMap {
     map
 }
 
+fn end(rows: u32) -> FrameEnd {
+    FrameEnd { rows, ..FrameEnd::NONE }
+}
+
 /// The packets of frames 0 and up, one after the other.
 fn packets(frames: u32) -> Vec<Vec<u8>> {
     let (mut encoder, mut buffer, mut packets) = (Encoder::new(), [0; max_bytes(SIZE[0])], Vec::new());
@@ -27,9 +31,9 @@ fn packets(frames: u32) -> Vec<Vec<u8>> {
         for (y, (disparity, confidence)) in map.disparity.chunks(40).zip(map.confidence.chunks(40)).enumerate() {
             counters.rows += 1;
             let row = DisparityRow { y: y as u32, disparity, confidence };
-            packets.push(encoder.row(frame, row, &counters, &mut buffer).unwrap().to_vec());
+            packets.push(encoder.row(frame, row, &mut buffer).unwrap().to_vec());
         }
-        packets.push(encoder.end(frame, 6, &counters, &mut buffer).unwrap().to_vec());
+        packets.push(encoder.end(frame, &end(6), &counters, &mut buffer).unwrap().to_vec());
     }
     packets
 }
@@ -161,7 +165,7 @@ fn what_a_packet_announces_is_bounded() {
     let (mut encoder, mut buffer) = (Encoder::new(), [0; max_bytes(0)]);
     for frame in 0..200 {
         bytes.extend_from_slice(encoder.begin(frame, [1280, u16::MAX], &Counters::ZERO, &mut buffer).unwrap());
-        bytes.extend_from_slice(encoder.end(frame, 65_535, &Counters::ZERO, &mut buffer).unwrap());
+        bytes.extend_from_slice(encoder.end(frame, &end(65_535), &Counters::ZERO, &mut buffer).unwrap());
     }
     let mut stream = PacketStream::new();
     assert_eq!(stream.push(&bytes).count(), 0);
@@ -221,4 +225,75 @@ fn no_corruption_makes_a_wrong_row() {
         }
     }
     assert!(whole > 1000, "{whole}");
+}
+
+/// Packets of frames whose rows go two at a time.
+fn pairs(frame: u32) -> Vec<Vec<u8>> {
+    let (mut encoder, mut buffer) = (Encoder::new(), [0; max_bytes(SIZE[0])]);
+    let map = pair_map(frame);
+    let mut packets = vec![encoder.begin(frame, SIZE, &Counters::ZERO, &mut buffer).unwrap().to_vec()];
+    for y in (0..6).step_by(2) {
+        let rows = [0, 1].map(|nth| {
+            let at = (y + nth) * 40..(y + nth + 1) * 40;
+            DisparityRow { y: (y + nth) as u32, disparity: &map.disparity[at.clone()], confidence: &map.confidence[at] }
+        });
+        packets.push(encoder.pair(frame, rows, &mut buffer).unwrap().unwrap().to_vec());
+    }
+    packets.push(encoder.end(frame, &end(6), &Counters::ZERO, &mut buffer).unwrap().to_vec());
+    packets
+}
+
+fn pair_map(frame: u32) -> DisparityMap {
+    let mut map = DisparityMap::with_capacity(40, 6);
+    for y in 0..6u32 {
+        let value = |x: i16| Disparity::from_bits(x / 4 * 9 + 2 * y as i16 + frame as i16);
+        let disparity: Vec<Disparity> = (0..40).map(value).collect();
+        map.push_row(&DisparityRow { y, disparity: &disparity, confidence: &[96; 40] });
+    }
+    map
+}
+
+#[test]
+fn rows_that_go_two_at_a_time_come_back_and_are_lost_two_at_a_time() {
+    let (frames, tally) = received(&pairs(3));
+    assert_eq!((frames.len(), frames[0].is_whole, &frames[0].map), (1, true, &pair_map(3)));
+    assert_eq!(tally, Tally { packets: 5, ..Tally::default() });
+    let mut packets = pairs(3);
+    packets.remove(2);
+    let (frames, tally) = received(&packets);
+    assert_eq!((&frames[0].missing_rows[..], frames[0].is_whole, tally.lost), (&[2, 3][..], false, 1));
+}
+
+#[test]
+fn a_frame_that_was_cut_is_dropped_whole_and_counted() {
+    let mut packets = packets(2);
+    let (mut encoder, mut buffer) = (Encoder::new(), [0; max_bytes(SIZE[0])]);
+    for _ in 0..7 {
+        encoder.begin(0, SIZE, &Counters::ZERO, &mut buffer).unwrap();
+    }
+    let cut = FrameEnd { rows: 4, unsent_frames: 9, is_cut: true, figures: None };
+    packets[7] = encoder.end(0, &cut, &Counters::ZERO, &mut buffer).unwrap().to_vec();
+    let (frames, tally) = received(&packets);
+    assert_eq!(frames.iter().map(|frame| frame.number).collect::<Vec<_>>(), [1]);
+    assert_eq!((tally.cut, tally.empty, tally.damaged), (1, 0, 0));
+}
+
+#[test]
+fn the_figures_of_a_frame_come_with_its_end_and_packets_of_another_version_are_told() {
+    use haarline::frame_figures::Input;
+    let (mut encoder, mut buffer) = (Encoder::new(), [0; max_bytes(SIZE[0])]);
+    let mut bytes = packets(1)[..7].concat();
+    for _ in 0..7 {
+        encoder.begin(0, SIZE, &Counters::ZERO, &mut buffer).unwrap();
+    }
+    let figures = Some(FrameFigures { input: Input::Mismatch, mismatch: Some(301), sure: 77 });
+    let told = FrameEnd { rows: 6, unsent_frames: 2, is_cut: false, figures };
+    bytes.extend_from_slice(encoder.end(0, &told, &Counters::ZERO, &mut buffer).unwrap());
+    let mut stream = PacketStream::new();
+    let frames: Vec<ReceivedFrame> = stream.push(&bytes).collect();
+    assert_eq!((frames[0].figures, frames[0].is_whole, stream.tally().unsent_frames), (figures, true, 2));
+    // A packet of version 1 with nothing in it but its checksum, that of no bytes.
+    let mut stream = PacketStream::new();
+    assert_eq!(stream.push(&[1, 1, 1, 1, 1, 0]).count(), 0);
+    assert_eq!(stream.tally().other_version, Some((1, 1)));
 }
