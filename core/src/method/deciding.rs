@@ -14,6 +14,8 @@ use crate::matching::path::Paths;
 pub trait Matching: Sealed {
     /// Whether neighbouring cells agree on their labels; else each decides alone.
     const AGREEMENT: bool;
+    /// Whether an extremum search decides whole blocks, and their cells follow.
+    const SEARCH: bool = false;
     /// The paths of the agreement.
     type Paths<const WORDS: usize>: MaybePaths<WORDS> + Clone + core::fmt::Debug;
     /// Features of a view: those of the row of tiles that comes in, of the one that is matched and of the one that is answered.
@@ -29,6 +31,18 @@ pub enum Agreeing {}
 /// Each cell decides alone.
 #[derive(Debug, Clone, Copy)]
 pub enum Lonely {}
+
+/// An extremum search decides each block.
+#[derive(Debug, Clone, Copy)]
+pub enum Searching {}
+
+impl Matching for Searching {
+    const AGREEMENT: bool = false;
+    const SEARCH: bool = true;
+    type Paths<const WORDS: usize> = ();
+    type Features<const WORDS: usize> = <Lonely as Matching>::Features<WORDS>;
+    type Cells<const WORDS: usize> = <Lonely as Matching>::Cells<WORDS>;
+}
 
 impl Matching for Agreeing {
     const AGREEMENT: bool = true;
@@ -49,6 +63,7 @@ impl Matching for Lonely {
 pub trait Sealed {}
 impl Sealed for Agreeing {}
 impl Sealed for Lonely {}
+impl Sealed for Searching {}
 
 /// Paths, where there is an agreement.
 pub trait MaybePaths<const WORDS: usize> {
