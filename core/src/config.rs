@@ -1,7 +1,6 @@
 //! What a method is told once, before the first row.
 
 use crate::error::ConfigError;
-use crate::matching::block::SIZE;
 
 /// Size of a row and range of the search, for every method.
 ///
@@ -59,11 +58,6 @@ impl Config {
             return Err(ConfigError::MinDisparity);
         }
         Ok(())
-    }
-
-    /// Blocks in a row.
-    pub(crate) fn blocks(&self) -> usize {
-        usize::from(self.width).div_ceil(SIZE)
     }
 
     /// Whether a whole disparity lies within the search range.

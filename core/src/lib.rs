@@ -13,7 +13,7 @@
 //!
 //! Where the rows come from: [`Wiring`] takes a camera port's bytes apart, [`framing`] puts lines into frames, [`Paired`] takes
 //! an offset of the cameras away. All of it behind another HAL, from raw bytes to obstacles: `examples/another_hal.rs`. What
-//! the methods are made of, to study or to build another one: [`haar`], [`contour`], [`extremum`], [`pipeline`].
+//! the methods are made of, to study or to build another one: [`haar`], [`contour`], [`extremum`], [`tile_pipeline`].
 //!
 //! ```
 //! use haarline::{Config, Depth, Full, Rig, ScanlinePair, StereoMethod, blocks_for};
@@ -68,8 +68,9 @@ pub use answer::disparity;
 pub use camera::{counters, framing, rectify, scanline, wiring};
 pub use front_end::{contour, curvature, haar, reading, scales};
 pub use matching::extremum;
+pub use method::capacity::blocks_for;
 pub use method::tile_pipeline;
-pub use method::{contour_stereo, envelope, full, lite, parts, pipeline, stereo, wavelet_block};
+pub use method::{contour_stereo, envelope, full, lite, parts, stereo, wavelet_block};
 #[cfg(feature = "packet")]
 pub use output::packet;
 pub use output::{fill, frame_figures, obstacle, rig};
@@ -85,7 +86,6 @@ pub use full::Full;
 pub use lite::Lite;
 pub use obstacle::Obstacles;
 pub use parts::{Parts, Seeds};
-pub use pipeline::blocks_for;
 pub use reading::Reading;
 pub use rectify::{Offset, Paired, Ramp, Rectified, RectifiedRow, Rectifier};
 pub use rig::{Depth, Rig};

@@ -15,9 +15,9 @@ pub const BLOCKS: usize = blocks_for(WIDTH);
 const EXPECTED: [(&str, u32); 6] = [
     ("full", 0x29CB_0A8C),
     ("lite", 0x0C01_6379),
-    ("wavelet-block", 0x30EF_4E7F),
-    ("contour", 0xC6F3_BF67),
-    ("envelope", 0xCD7D_E709),
+    ("wavelet-block", 0xA01F_4EF0),
+    ("contour", 0x067D_3429),
+    ("envelope", 0xBF38_85C1),
     ("block", 0xEB31_E178),
 ];
 
@@ -63,7 +63,7 @@ mod tests {
         with("full", &mut Full::<BLOCKS>::new(CONFIG).unwrap());
         with("lite", &mut Lite::<BLOCKS>::new(CONFIG).unwrap());
         with("wavelet-block", &mut WaveletBlock::<BLOCKS>::new(CONFIG).unwrap());
-        with("contour", &mut ContourStereo::<BLOCKS, { rows_for(1) }>::new(CONFIG).unwrap());
+        with("contour", &mut ContourStereo::<BLOCKS, { rows_for(2) }>::new(CONFIG).unwrap());
         with("envelope", &mut EnvelopeStereo::<BLOCKS>::new(CONFIG).unwrap());
         with("block", &mut block.unwrap());
     }

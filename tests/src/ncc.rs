@@ -1,7 +1,5 @@
 //! Block matching by normalised cross-correlation: the reference `ncc`.
 
-use haarline::count;
-
 use crate::stereo_bm::{BlockMatcher, Measure, Place, RunningSums, Step, Sums, Winner};
 
 /// [`StereoBm`](crate::StereoBm) with the normalised cross-correlation (NCC) instead of absolute differences; all else is the same.
@@ -33,11 +31,6 @@ impl Measure for Product {
     fn term(left: u8, right: u8, cap: u8) -> i32 {
         let cap = i32::from(cap);
         (i32::from(left) - cap) * (i32::from(right) - cap)
-    }
-
-    /// The offset is the storage's, not the method's: it does not count.
-    fn count(terms: usize) {
-        count::multiplications(terms);
     }
 }
 
@@ -76,9 +69,6 @@ impl<const WIDTH: usize, const DISPARITIES: usize> Sums for Correlation<WIDTH, D
 
     fn enter_row(&mut self, left: Step<&[u8]>, right: Step<&[u8]>, cap: u8) {
         for (columns, view) in [(&mut self.left_columns, left), (&mut self.right_columns, right)] {
-            count::multiplications(2 * view.entering.len());
-            count::additions(view.entering.len());
-            count::subtractions(view.entering.len());
             for (sum, (&entering, &leaving)) in columns.iter_mut().zip(view.entering.iter().zip(view.leaving)) {
                 *sum = *sum + squared(entering, cap) - squared(leaving, cap);
             }
@@ -96,7 +86,6 @@ impl<const WIDTH: usize, const DISPARITIES: usize> Sums for Correlation<WIDTH, D
     }
 
     fn add(&mut self, entering: Place, searched: usize) {
-        count::additions(searched + 1);
         self.products.take(entering.column, searched);
         self.left += self.left_columns[entering.left];
         let columns = &self.right_columns[entering.right..][..searched];
@@ -106,8 +95,6 @@ impl<const WIDTH: usize, const DISPARITIES: usize> Sums for Correlation<WIDTH, D
     }
 
     fn slide(&mut self, columns: Step<Place>, searched: usize) {
-        count::additions(searched + 1);
-        count::subtractions(searched + 1);
         self.products.shift(columns, searched);
         let Step { entering, leaving } = columns;
         self.left = self.left + self.left_columns[entering.left] - self.left_columns[leaving.left];
@@ -119,8 +106,6 @@ impl<const WIDTH: usize, const DISPARITIES: usize> Sums for Correlation<WIDTH, D
 
     fn winner(&mut self, searched: usize) -> Winner {
         // Two products, a quotient; from one.
-        count::multiplications(3 * searched);
-        count::subtractions(searched);
         let sums = self.products.window(searched).iter().zip(&self.right);
         for (cost, (&product, &right)) in self.costs.iter_mut().zip(sums) {
             *cost = cost_of(product, self.left, right);

@@ -1,7 +1,5 @@
 //! Block matching by squared differences: the reference `ssd`.
 
-use haarline::count;
-
 use crate::stereo_bm::{BlockMatcher, Measure, RunningSums};
 
 /// [`StereoBm`](crate::StereoBm) with the sum of squared differences (SSD) instead of absolute ones; all else is the same.
@@ -20,10 +18,5 @@ impl Measure for Squared {
 
     fn term(left: u8, right: u8, _: u8) -> u32 {
         u32::from(left.abs_diff(right)).pow(2)
-    }
-
-    fn count(terms: usize) {
-        count::subtractions(terms);
-        count::multiplications(terms);
     }
 }

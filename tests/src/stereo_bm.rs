@@ -202,9 +202,6 @@ impl<S: Sums, const WIDTH: usize, const WINDOW: usize, C: StageClock> BlockMatch
             .map(|view| Step { entering: &view.entering()[..width], leaving: &view.leaving(y)[..width] });
         self.sums.enter_row(left, right, cap);
         // Of texture two differences and two sums.
-        count::additions(area.cost_columns);
-        count::subtractions(3 * area.cost_columns);
-        count::comparisons(2 * area.cost_columns);
         for (column, texture) in self.column_texture.iter_mut().enumerate().take(area.cost_columns) {
             let place = area.place(column);
             let pixel = Step { entering: left.entering[place.left], leaving: left.leaving[place.left] };
@@ -221,7 +218,6 @@ impl<S: Sums, const WIDTH: usize, const WINDOW: usize, C: StageClock> BlockMatch
     fn match_row(&mut self, area: SearchArea) {
         let searched = usize::from(self.config.num_disparities);
         self.forget_row();
-        count::additions(WINDOW);
         self.window_texture = self.column_texture[..WINDOW].iter().copied().map(u32::from).sum();
         self.sums.begin(searched);
         for column in 0..WINDOW {
@@ -237,8 +233,6 @@ impl<S: Sums, const WIDTH: usize, const WINDOW: usize, C: StageClock> BlockMatch
     /// Moves the window from its first cost column, `leaving`, on by one.
     fn slide(&mut self, area: SearchArea, leaving: usize) {
         let entering = leaving + WINDOW;
-        count::additions(1);
-        count::subtractions(1);
         self.window_texture += u32::from(self.column_texture[entering]);
         self.window_texture -= u32::from(self.column_texture[leaving]);
         let columns = Step { entering: area.place(entering), leaving: area.place(leaving) };
@@ -248,7 +242,6 @@ impl<S: Sums, const WIDTH: usize, const WINDOW: usize, C: StageClock> BlockMatch
     /// Fills in the window's centre, column `x`, if its winner passes the gates.
     #[inline(always)]
     fn decide(&mut self, x: usize) {
-        count::comparisons(1);
         if self.window_texture < self.settings.texture_threshold {
             return;
         }

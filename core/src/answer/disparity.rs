@@ -66,7 +66,7 @@ pub struct DisparityRow<'a> {
     /// Confidence of each pixel: 0 where the disparity is unknown, 1 to 15 for a guess (hidden in the right view, or
     /// nothing to see), 16 to 63 doubtful, 64 and more *sure*.
     ///
-    /// In [`Full`](crate::Full) and [`Lite`](crate::Lite) an answer is sure if it stands out from the others by its margin less
+    /// In [`Full`](crate::Full), [`Lite`](crate::Lite) and [`WaveletBlock`](crate::WaveletBlock) an answer is sure if it stands out from the others by its margin less
     /// its cost, over 3 x 3 cells, and if the left row does not look like itself there: 4 and 8 px beside, at the
     /// next like contour, and for the second best partner of the nearest contour. What is not sure is ranked by its margin
     /// alone. It ranks answers; it is no probability. In the other methods it is a margin, 1 to 255.

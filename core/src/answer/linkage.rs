@@ -2,166 +2,156 @@
 //!
 //! Contours go on from row to row and the points on a surface lie close together, while wrong matches
 //! scatter: each is refuted by the points around it.
+#![allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "columns are below 1280")]
 
 use crate::answer::confidence::Merit;
-use crate::count;
+use crate::front_end::camera_view::Row;
+use crate::lanes::rows::load;
+use crate::lanes::{ONES, difference, sad, select_ge, splat};
 use crate::{Config, Disparity};
 
-/// Rows above and below whose points are asked.
-pub(crate) const LINK_REACH: usize = 2;
-/// Rows that are kept.
-const ROWS: usize = 2 * LINK_REACH + 1;
-/// Columns on either side whose points are asked, one in [`STRIDE`] of them.
-const COLUMNS: usize = 6;
-/// Points come in pairs, the pixels on either side of a contour: one of them will do.
-const STRIDE: usize = 2;
-/// Points within one px have the same disparity, 1/16 px.
-const TOLERANCE: u16 = 16;
+/// Columns of a margin of a row.
+const MARGIN: usize = 4;
+/// Columns around a point whose points are asked, in its row of points and in those above and below.
+const COLUMNS: usize = 12;
 
 /// What a point needs to be linked.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Links {
-    /// Least number of points of its disparity.
-    pub(crate) least: u16,
-    /// Of ten points around, so many must have its disparity.
-    pub(crate) share: u16,
+    /// Least number of pixels of its disparity, its own ones included.
+    pub(crate) least: u32,
+    /// Of ten answered pixels around, so many must have its disparity.
+    pub(crate) share: u32,
 }
 
-/// What was measured in a row.
+/// A point: one or two pixels of a row of points.
+#[derive(Debug, Clone, Copy, Default)]
+struct Point {
+    first: u16,
+    pixels: u8,
+    confidence: u8,
+    /// 1/16 px.
+    bits: i16,
+}
+
+/// What was measured in a row of points: two rows of the image.
 #[derive(Debug, Clone)]
-pub struct Answers<const BLOCKS: usize> {
-    pub(crate) disparity: [[Disparity; 4]; BLOCKS],
-    pub(crate) confidence: [[u8; 4]; BLOCKS],
+struct Points<const WORDS: usize> {
+    points: [[Point; 2]; WORDS],
+    len: usize,
 }
 
-impl<const BLOCKS: usize> Answers<BLOCKS> {
-    pub(crate) const UNKNOWN: Self =
-        Self { disparity: [[Disparity::UNKNOWN; 4]; BLOCKS], confidence: [[0; 4]; BLOCKS] };
-
-    pub(crate) fn clear(&mut self) {
-        self.disparity.as_flattened_mut().fill(Disparity::UNKNOWN);
-        self.confidence.as_flattened_mut().fill(0);
-    }
-
-    /// Answers a pixel that has no answer yet: `bits` is the disparity, 1/16 px. A disparity out of the
-    /// search range and one whose match lies outside the right view are none.
-    pub(crate) fn add(&mut self, config: &Config, x: i32, bits: i32, merit: Merit) {
-        count::additions(1);
-        count::subtractions(1);
-        count::comparisons(6);
-        let whole = (bits + 8) >> 4;
-        let width = 0..i32::from(config.width);
-        if !config.contains(whole) || !width.contains(&x) || !width.contains(&(x - whole)) {
-            return;
-        }
-        let (Ok(x), Ok(bits)) = (usize::try_from(x), i16::try_from(bits)) else { return };
-        if let (Some(disparity), Some(confidence)) =
-            (self.disparity.as_flattened_mut().get_mut(x), self.confidence.as_flattened_mut().get_mut(x))
-            && !disparity.is_known()
-        {
-            (*disparity, *confidence) = (Disparity::from_bits(bits), merit.confidence(merit, 0));
-        }
-    }
-}
-
-/// The newest rows of answers: those that a row's links may lead to.
+/// The newest rows of points: those that a row's links may lead to.
 #[derive(Debug, Clone)]
-pub(crate) struct AnswerRing<const BLOCKS: usize> {
-    rows: [Answers<BLOCKS>; ROWS],
-    pushed: usize,
+pub struct PointRows<const WORDS: usize> {
+    /// One more than the label of each pixel, at most 255; 0 where there is no point.
+    labels: [Row<WORDS>; 3],
+    points: [Points<WORDS>; 2],
+    pushed: u32,
 }
 
-impl<const BLOCKS: usize> AnswerRing<BLOCKS> {
+impl<const WORDS: usize> PointRows<WORDS> {
     pub(crate) const fn new() -> Self {
-        Self { rows: [const { Answers::UNKNOWN }; ROWS], pushed: 0 }
+        const EMPTY: usize = 0;
+        Self {
+            labels: [[0; WORDS]; 3],
+            points: [const {
+                Points { points: [[Point { first: 0, pixels: 0, confidence: 0, bits: 0 }; 2]; WORDS], len: EMPTY }
+            }; 2],
+            pushed: 0,
+        }
     }
 
     pub(crate) fn clear(&mut self) {
-        self.rows.iter_mut().for_each(Answers::clear);
+        self.labels = [[0; WORDS]; 3];
         self.pushed = 0;
     }
 
-    /// Makes room for the next row by giving up the oldest: unknown everywhere.
-    pub(crate) fn push(&mut self) -> &mut Answers<BLOCKS> {
-        let slot = self.pushed % ROWS;
-        self.pushed = (self.pushed + 1) % ROWS;
-        let row = &mut self.rows[slot];
-        row.clear();
-        row
+    /// Begins the next row of points, by giving up the oldest.
+    pub(crate) fn begin(&mut self) {
+        self.pushed += 1;
+        self.labels[self.pushed as usize % 3] = [0; WORDS];
+        self.points[self.pushed as usize % 2].len = 0;
     }
 
-    /// Copies the row in the middle to `out`: all of its points, or only those with the `links` they need.
-    pub(crate) fn answer(&self, width: usize, links: Option<Links>, out: &mut Answers<BLOCKS>) {
-        let middle = &self.rows[(self.pushed + LINK_REACH) % ROWS];
-        out.clone_from(middle);
-        let Some(links) = links else { return };
-        let pixels = out.disparity.as_flattened_mut().iter_mut().zip(out.confidence.as_flattened_mut());
-        for (x, (disparity, confidence)) in pixels.enumerate().take(width) {
-            if let Some(bits) = disparity.known()
-                && !self.is_linked(x, bits, links)
-            {
-                (*disparity, *confidence) = (Disparity::UNKNOWN, 0);
+    /// Answers `pixels` pixels, one or two, from column `first` on, unless all of them have an answer: `bits` is the
+    /// disparity, 1/16 px. A disparity out of the search range and one whose match lies outside the right view are none.
+    pub(crate) fn add(&mut self, config: &Config, first: i32, pixels: u8, bits: i32, merit: impl FnOnce() -> Merit) {
+        let whole = (bits + 8) >> 4;
+        let width = i32::from(config.width);
+        let (first, end) = (first.max(0).max(whole), (first + i32::from(pixels)).min(width).min(width + whole));
+        if !config.contains(whole) || first >= end {
+            return;
+        }
+        let label = ((whole - i32::from(config.min_disparity)) as u32 + 1).min(255);
+        let labels = &mut self.labels[self.pushed as usize % 3];
+        let mut is_new = false;
+        for column in first as usize..end as usize {
+            let (word, shift) = ((column + MARGIN) / 4, 8 * ((column + MARGIN) % 4));
+            if labels[word] >> shift & 0xff == 0 {
+                labels[word] |= label << shift;
+                is_new = true;
+            }
+        }
+        let row = &mut self.points[self.pushed as usize % 2];
+        // One point for two columns, whatever the capacity.
+        if !is_new || row.len >= usize::from(config.width).div_ceil(2) {
+            return;
+        }
+        if let Some(point) = row.points.as_flattened_mut().get_mut(row.len) {
+            let (merit, bits) = (merit(), bits as i16);
+            *point = Point {
+                first: first as u16,
+                pixels: (end - first) as u8,
+                confidence: merit.confidence(merit, 0),
+                bits,
+            };
+            row.len += 1;
+        }
+    }
+
+    /// Writes the row of points before the newest: all of its points, or only those with the `links` they need.
+    pub(crate) fn write(
+        &self,
+        config: &Config,
+        links: Option<Links>,
+        disparity: &mut [[Disparity; 4]; WORDS],
+        confidence: &mut [[u8; 4]; WORDS],
+    ) {
+        let words = usize::from(config.width).div_ceil(4);
+        disparity[..words].fill([Disparity::UNKNOWN; 4]);
+        confidence[..words].fill([0; 4]);
+        let (disparity, confidence) = (disparity.as_flattened_mut(), confidence.as_flattened_mut());
+        let row = &self.points[(self.pushed as usize + 1) % 2];
+        // The first answer of a pixel stands.
+        for point in row.points.as_flattened()[..row.len].iter().rev() {
+            if links.is_some_and(|links| !self.is_linked(config, *point, links)) {
+                continue;
+            }
+            for column in usize::from(point.first)..usize::from(point.first) + usize::from(point.pixels) {
+                disparity[column] = Disparity::from_bits(point.bits);
+                confidence[column] = point.confidence;
             }
         }
     }
 
-    /// Whether the points around a column of the row in the middle have its disparity, 1/16 px.
-    fn is_linked(&self, x: usize, bits: i16, links: Links) -> bool {
-        let columns = x.saturating_sub(COLUMNS)..x + COLUMNS + 1;
+    /// Whether the points around one of the row before the newest have its disparity, to a pixel.
+    #[inline(always)]
+    fn is_linked(&self, config: &Config, point: Point, links: Links) -> bool {
+        let whole = (i32::from(point.bits) + 8) >> 4;
+        let label = splat(((whole - i32::from(config.min_disparity)) as u32 + 1).min(255));
+        let last = usize::from(config.width) + 2 * MARGIN - COLUMNS;
+        let first = (usize::from(point.first) + MARGIN).saturating_sub(COLUMNS / 2 - 1).min(last);
         let (mut same, mut all) = (0, 0);
-        for row in &self.rows {
-            let row = row.disparity.as_flattened();
-            let around = row.get(columns.clone()).unwrap_or(row.get(columns.start..).unwrap_or(&[]));
-            for other in around.iter().step_by(STRIDE).filter_map(|d| d.known()) {
-                all += 1;
-                same += u16::from(other.abs_diff(bits) <= TOLERANCE);
+        for row in &self.labels {
+            for byte in [first, first + 4, first + 8] {
+                let word = load(row, byte);
+                let known = select_ge(word, ONES, ONES, 0);
+                all += known;
+                same += select_ge(ONES, difference(word, label), known, 0);
             }
         }
-        // A difference's magnitude, the tolerance and two counts of each; the two limits.
-        count::subtractions(usize::from(all));
-        count::additions(2 * usize::from(all));
-        count::comparisons(ROWS * (2 * COLUMNS / STRIDE + 1) + 2 * usize::from(all) + 2);
+        let (same, all) = (sad(same, 0), sad(all, 0));
         same >= links.least && 10 * same >= links.share * all
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    const CONFIG: Config = Config { width: 32, min_disparity: 0, num_disparities: 16 };
-
-    /// The disparities of a row whose middle one is wrong by `error` / 16 px, after the check.
-    fn checked(rows: usize, error: i32, linked_only: bool) -> [Option<i16>; 3] {
-        let mut ring = AnswerRing::<10>::new();
-        for y in 0..ROWS {
-            let row = ring.push();
-            for x in (10..24).filter(|_| y >= ROWS - rows) {
-                let wrong = if (x, y) == (17, LINK_REACH) { error } else { 0 };
-                row.add(&CONFIG, x, 5 * 16 + wrong, Merit::default());
-            }
-        }
-        let mut out = Answers::UNKNOWN;
-        ring.answer(32, linked_only.then_some(Links { least: 7, share: 9 }), &mut out);
-        [9, 17, 20].map(|x| out.disparity.as_flattened()[x].known())
-    }
-
-    #[test]
-    fn a_point_that_differs_from_those_around_it_goes_and_they_stay() {
-        assert_eq!(checked(5, 16, true), [None, Some(96), Some(80)]);
-        assert_eq!(checked(5, 17, true), [None, None, Some(80)]);
-        assert_eq!(checked(5, 17, false), [None, Some(97), Some(80)]);
-    }
-
-    #[test]
-    fn a_disparity_out_of_range_or_out_of_view_is_no_answer() {
-        let mut row = Answers::<10>::UNKNOWN;
-        for (x, bits) in [(5, 6 * 16), (20, 16 * 16), (20, -9), (32, 16), (-1, 16)] {
-            row.add(&CONFIG, x, bits, Merit::default());
-        }
-        assert!(row.disparity.as_flattened().iter().all(|d| !d.is_known()));
-        row.add(&CONFIG, 5, 5 * 16, Merit::default());
-        row.add(&CONFIG, 5, 4 * 16, Merit::default());
-        assert_eq!(row.disparity.as_flattened()[5], Disparity::from_px(5), "the first answer stands");
     }
 }

@@ -47,12 +47,12 @@ impl<const WORDS: usize, const KEPT: usize> FeatureRows<WORDS> for [[[u32; WORDS
 pub(crate) struct CameraView<const WORDS: usize, F> {
     raw: [Row<WORDS>; RAW_ROWS as usize],
     smooth: [Row<WORDS>; SMOOTH_ROWS as usize],
-    features: F,
+    pub(super) features: F,
     /// Of the newest 32 smoothed rows, those that were really smoothed; the others are as they came.
     is_smoothed: u32,
     raw_len: u32,
     smooth_len: u32,
-    features_len: u32,
+    pub(super) features_len: u32,
 }
 
 impl<const WORDS: usize, F: FeatureRows<WORDS>> CameraView<WORDS, F> {

@@ -4,7 +4,6 @@
 //! one of its polarity in the row above and in the row below; the bend is the second difference of its column
 //! over the three rows, the pair difference of pair differences.
 
-use crate::count;
 use crate::front_end::contour::Contour;
 use crate::front_end::haar::difference_121;
 
@@ -45,8 +44,6 @@ pub fn curvature<'a>(
     row.iter().enumerate().filter_map(move |(index, contour)| {
         let a = follow(contour, above, &mut first_above)?;
         let c = follow(contour, below, &mut first_below)?;
-        count::subtractions(3);
-        count::comparisons(2);
         let bend = difference_121(a, i32::from(contour.column), c);
         (bend.abs() >= least).then_some(CurvaturePoint { index, bend })
     })
@@ -60,10 +57,7 @@ fn follow(contour: &Contour, line: &[Contour], first: &mut usize) -> Option<i32>
         *first += 1;
     }
     let near = line.get(*first..)?.iter().take_while(|other| i32::from(other.column) <= column + MOST_MOVE);
-    let same = near.inspect(|_| {
-        count::subtractions(1);
-        count::comparisons(4);
-    });
+    let same = near.inspect(|_| {});
     let same = same.filter(|other| (other.response > 0) == (contour.response > 0));
     same.map(|other| i32::from(other.column)).min_by_key(|other| other.abs_diff(column))
 }

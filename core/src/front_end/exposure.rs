@@ -1,9 +1,5 @@
 //! How dark the frame is, judged from the rows that came so far: what gain the front end gives it.
 
-use crate::count;
-
-/// One pixel in so many is looked at.
-const STRIDE: usize = 4;
 /// One pixel in so many may saturate.
 const BRIGHT_SHARE: u32 = 50;
 
@@ -37,18 +33,6 @@ impl Exposure {
         self.bound();
     }
 
-    pub(crate) fn add(&mut self, pixels: &[u8]) {
-        let looked_at = pixels.len().div_ceil(STRIDE);
-        count::additions(3 * looked_at);
-        count::comparisons(2 * looked_at);
-        for &pixel in pixels.iter().step_by(STRIDE) {
-            self.total += 1;
-            self.over_quarter += u32::from(pixel >= 64);
-            self.over_half += u32::from(pixel >= 128);
-        }
-        self.bound();
-    }
-
     /// Halves the counts long before 32 bits are full, whatever the frame's height.
     fn bound(&mut self) {
         if self.total >= 1 << 24 {
@@ -75,14 +59,6 @@ impl Gain {
         self.0
     }
 
-    /// `sum / 2^shift` with the gain, rounded and saturated; `shift` is 0, or more than any gain.
-    #[inline]
-    pub(crate) fn scale(self, sum: u16, shift: u32) -> u8 {
-        let sum = u32::from(sum) << self.0;
-        let half = (1 << shift) >> 1;
-        u8::try_from((sum + half) >> shift).unwrap_or(u8::MAX)
-    }
-
     /// A measure of grey levels as it is after the gain.
     pub(crate) const fn apply(self, grey_levels: u32) -> u32 {
         grey_levels << self.0
@@ -95,7 +71,7 @@ mod tests {
 
     fn gain_of(pixels: &[u8]) -> Gain {
         let mut exposure = Exposure::new();
-        exposure.add(pixels);
+        exposure.sample(pixels, 0, 4);
         exposure.gain()
     }
 
@@ -105,14 +81,5 @@ mod tests {
         assert_eq!(gain_of(&[64; 400]), Gain(1));
         assert_eq!(gain_of(&[128; 400]), Gain(0));
         assert_eq!(Exposure::new().gain(), Gain(0));
-    }
-
-    #[test]
-    fn scaling_rounds_and_saturates() {
-        assert_eq!(Gain(0).scale(200, 0), 200);
-        assert_eq!(Gain(2).scale(63, 0), 252);
-        assert_eq!(Gain(2).scale(64, 0), 255);
-        assert_eq!(Gain(1).scale(16 * 100 + 4, 4), 201);
-        assert_eq!(Gain(2).scale(255 * 128, 7), 255);
     }
 }

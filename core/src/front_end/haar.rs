@@ -122,29 +122,10 @@ pub fn inverse(approximation: &[i16], detail: &[i16], line: &mut [i16]) {
     }
 }
 
-/// Pair sum of neighbours.
-#[inline]
-pub(crate) const fn pair_sum(a: u16, b: u16) -> u16 {
-    a + b
-}
-
 /// Pair difference of neighbours, `b - a`.
 #[inline]
 pub(crate) const fn pair_difference(a: i32, b: i32) -> i32 {
     b - a
-}
-
-/// `[1 2 1]`: the pair sum of the two pair sums.
-#[inline]
-pub(crate) fn sum_121(a: u8, b: u8, c: u8) -> u16 {
-    let (a, b, c) = (u16::from(a), u16::from(b), u16::from(c));
-    pair_sum(pair_sum(a, b), pair_sum(b, c))
-}
-
-/// `[1 2 2 2 1]`: the pair sums of `[1 2 1]` two columns apart.
-#[inline]
-pub(crate) fn sum_12221(a: u8, b: u8, c: u8, d: u8, e: u8) -> u16 {
-    pair_sum(sum_121(a, b, c), sum_121(c, d, e))
 }
 
 /// `[1 -2 1]`: the pair difference of the two pair differences.
@@ -213,8 +194,6 @@ mod tests {
 
     #[test]
     fn cascades_are_the_filters_they_are_named_after() {
-        assert_eq!(sum_121(1, 10, 100), 121);
-        assert_eq!(sum_12221(1, 2, 4, 8, 16), 1 + 4 + 8 + 16 + 16);
         assert_eq!(difference_121(1, 10, 100), 81);
     }
 }

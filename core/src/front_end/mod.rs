@@ -1,13 +1,13 @@
-//! What is kept of a row: `exposure` and `noise` judge it, `view` smooths it and makes features of it by the
-//! filters of `haar`, a `ring` keeps the newest ones, and `contour` finds what the views are matched by.
+//! What is kept of a row: `exposure` and `noise` judge it, a `camera_view` smooths it and makes features of it, gradients or
+//! by `intensity`, and a `contour_line` is what sparse methods match the views by.
 
 pub(crate) mod camera_view;
 pub mod contour;
+pub(crate) mod contour_line;
 pub mod curvature;
 pub(crate) mod exposure;
 pub mod haar;
+pub(crate) mod intensity;
 pub(crate) mod noise;
 pub mod reading;
-pub(crate) mod ring;
 pub mod scales;
-pub(crate) mod view;

@@ -1,15 +1,9 @@
 //! How noisy the frame is, judged from the rows that came so far.
 
-use crate::count;
 use crate::front_end::exposure::Gain;
-use crate::front_end::haar::difference_121;
-use crate::front_end::reading::Reading;
-use crate::front_end::ring::MARGIN;
 use crate::lanes::rows::{Mean, second_difference};
 
 const BINS: usize = 64;
-/// One pixel in so many is looked at.
-const STRIDE: usize = 4;
 /// Counts are halved here, so that they fit their 16 bits and old rows count less.
 const FULL: u16 = 1 << 15;
 /// Percentiles are in 1/16 grey level.
@@ -33,33 +27,6 @@ impl NoiseHistogram {
 
     pub(crate) fn clear(&mut self) {
         *self = Self::new();
-    }
-
-    /// Takes the row between `above` and `below` into account; all with margins.
-    pub(crate) fn add(&mut self, above: &[u8], row: &[u8], below: &[u8], width: usize) {
-        let inside = MARGIN..MARGIN + width;
-        let (Some(a), Some(b), Some(c)) = (above.get(inside.clone()), row.get(inside.clone()), below.get(inside))
-        else {
-            return;
-        };
-        let pixels = width.saturating_sub(2).div_ceil(STRIDE);
-        count::subtractions(12 * pixels);
-        count::comparisons(2 * pixels);
-        count::additions(2 * pixels);
-        for ((a, b), c) in a.windows(3).zip(b.windows(3)).zip(c.windows(3)).step_by(STRIDE) {
-            let across = |r: &[u8]| difference_121(i32::from(r[0]), i32::from(r[1]), i32::from(r[2]));
-            let second = difference_121(across(a), across(b), across(c)).unsigned_abs() as usize;
-            self.bins[second.min(BINS - 1)] += 1;
-            self.total += 1;
-        }
-        // A row adds at most 1280 / 4 counts, so the total cannot pass the u16 in between.
-        if self.total >= FULL {
-            self.total = 0;
-            for bin in &mut self.bins {
-                *bin /= 2;
-                self.total += *bin;
-            }
-        }
     }
 
     /// Takes every `stride`-th pixel of the row between `above` and `below`, from `first` on, into account; signed rows in
@@ -94,9 +61,6 @@ impl NoiseHistogram {
         // In units of 1/100 count.
         let target = u32::from(self.total) * percent;
         let mut below = 0;
-        count::additions(BINS);
-        count::comparisons(BINS);
-        count::multiplications(BINS);
         for (value, &count) in (0..).zip(&self.bins) {
             let count = u32::from(count) * 100;
             if count > 0 && below + count >= target {
@@ -133,18 +97,6 @@ pub(crate) enum SmoothingLevel {
 }
 
 impl SmoothingLevel {
-    /// Additions for each pixel: of the filter, and to round.
-    pub(crate) const fn additions(self) -> usize {
-        match self {
-            Self::Off => 0,
-            Self::Light => 13,
-            Self::Medium => 11,
-            Self::Strong => 12,
-        }
-    }
-}
-
-impl SmoothingLevel {
     /// The means down and along the row; none where rows stay as they came.
     pub(crate) const fn means(self) -> Option<(Mean, Mean)> {
         match self {
@@ -170,7 +122,9 @@ impl Noise {
         Self { floor: u16::try_from(least(10)).unwrap_or(u16::MAX), level }
     }
 
-    /// [`Self::feature_floor`] of Haar features without a least value.
+    /// The mean magnitude of a Haar feature that noise alone explains, with a margin of 1.3, in 1/16.
+    ///
+    /// White noise of 1 grey level gives gradients of 2.76 in the mean; smoothed 1.32, 0.60, 0.38.
     pub(crate) fn haar_floor(self) -> u32 {
         let gain = match self.level {
             SmoothingLevel::Off => 76,
@@ -179,25 +133,6 @@ impl Noise {
             SmoothingLevel::Strong => 10,
         };
         u32::from(self.floor) * gain / 16
-    }
-
-    /// The mean magnitude of a feature that noise alone explains, with a margin of 1.3, in 1/16.
-    ///
-    /// White noise of 1 grey level gives gradients of 2.76 in the mean; smoothed 1.32, 0.60, 0.38. Of
-    /// intensities less their mean it is 1.57; smoothed 0.58, 0.33, 0.22.
-    pub(crate) fn feature_floor(self, reading: Reading) -> u32 {
-        const LEAST: u32 = 10; // 0.6: a wall that the camera quantises to one grey level
-        let gain = match (reading, self.level) {
-            (Reading::Haar, SmoothingLevel::Off) => 76, // 16 x 1.3 x 2.76 / 0.754
-            (Reading::Haar, SmoothingLevel::Light) => 36,
-            (Reading::Haar, SmoothingLevel::Medium) => 17,
-            (Reading::Haar, SmoothingLevel::Strong) => 10,
-            (Reading::Intensity, SmoothingLevel::Off) => 43,
-            (Reading::Intensity, SmoothingLevel::Light) => 16,
-            (Reading::Intensity, SmoothingLevel::Medium) => 9,
-            (Reading::Intensity, SmoothingLevel::Strong) => 6,
-        };
-        (u32::from(self.floor) * gain / 16).max(LEAST)
     }
 }
 
@@ -208,7 +143,7 @@ mod tests {
     #[test]
     fn a_flat_view_has_no_noise() {
         let mut histogram = NoiseHistogram::new();
-        histogram.add(&[90; 72], &[90; 72], &[90; 72], 64);
+        histogram.sample([&[0x5a5a_5a5a; 18]; 3], 0, 1, 1, 64);
         let noise = Noise::of(&histogram, &histogram, Gain::default());
         assert_eq!(noise, Noise { floor: 0, level: SmoothingLevel::Off });
     }
@@ -227,9 +162,9 @@ mod tests {
     #[test]
     fn a_long_frame_does_not_overflow() {
         let mut histogram = NoiseHistogram::new();
-        let rows = [[0u8; 1288], [255; 1288], [0; 1288]];
+        let rows = [[0x8080_8080; 322], [0x7f7f_7f7f; 322], [0x8080_8080; 322]];
         for _ in 0..1000 {
-            histogram.add(&rows[0], &rows[1], &rows[2], 1280);
+            histogram.sample(rows.each_ref(), 0, 4, 1, 1280);
         }
         assert!(histogram.total < FULL + 320);
     }

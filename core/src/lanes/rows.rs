@@ -74,7 +74,7 @@ impl Clips {
 
     /// What becomes of the gradients, signed lanes.
     #[inline(always)]
-    fn of(self, gradient: u32) -> u32 {
+    pub(crate) fn of(self, gradient: u32) -> u32 {
         let gradient = gradient ^ FLIP;
         match self.narrow {
             // The offsets of 255 - 2 limit add up modulo 256.

@@ -1,93 +1,85 @@
 //! Who belongs together: contours of the left view and contours of the right one.
+#![allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "columns and places are below 1280")]
 
 use crate::Config;
-use crate::count;
-use crate::front_end::contour::Contour;
+use crate::front_end::contour_line::Edge;
 
-/// Marks a contour without a partner.
-const NOBODY: u16 = u16::MAX;
+/// Marks that there is nobody.
+const NOBODY: u32 = u32::MAX;
+/// Percent of the least cost which the second least must exceed.
+const UNIQUENESS: u32 = 120;
 
-/// Which right contour a left one takes.
+/// A left contour and a right one of which each is the other's best.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Choice {
-    /// Index of the right contour.
-    partner: u16,
+pub(crate) struct Pair {
+    pub(crate) left: Edge,
+    pub(crate) right: Edge,
     /// What the pair costs.
-    pub(crate) cost: u16,
-    /// What the second cheapest costs; `u16::MAX` where there is none.
-    pub(crate) second: u16,
+    pub(crate) cost: u32,
+    /// What the second cheapest costs, if there is one.
+    pub(crate) second: Option<u32>,
 }
 
-/// The preferences of the contours of one line: scratch of one search.
-pub(crate) struct Pairing<const BLOCKS: usize> {
-    /// For each left contour the right one that it likes best.
-    choice: [[Choice; 2]; BLOCKS],
-    /// For each right contour the least cost so far, and the index of the left one it comes from.
-    suitor: [[(u16, u16); 2]; BLOCKS],
-}
-
-impl<const BLOCKS: usize> Pairing<BLOCKS> {
-    /// Compares every left contour with the right ones that resemble it within the search range.
-    ///
-    /// A left contour takes the right one of the least cost, if no second one comes within `uniqueness`
-    /// percent of that cost. Both lines must be in the order of their columns.
-    pub(crate) fn of(
-        config: &Config,
-        left: &[Contour],
-        right: &[Contour],
-        uniqueness: u32,
-        cost: impl Fn(Contour, Contour) -> Option<u16>,
-    ) -> Self {
-        let nobody = Choice { partner: NOBODY, cost: u16::MAX, second: u16::MAX };
-        let mut pairing = Self { choice: [[nobody; 2]; BLOCKS], suitor: [[(u16::MAX, NOBODY); 2]; BLOCKS] };
-        let least = 16 * i32::from(config.min_disparity) - 8;
-        let most = 16 * (i32::from(config.min_disparity) + i32::from(config.num_disparities));
-        let suitors = pairing.suitor.as_flattened_mut();
-        let (mut start, mut compared) = (0, 0);
-        for ((i, contour), choice) in (0u16..).zip(left).zip(pairing.choice.as_flattened_mut()) {
-            let column = i32::from(contour.column);
-            // Both lines are in order, so nobody looks further left than this again.
-            while right.get(start).is_some_and(|c| column - i32::from(c.column) >= most) {
-                start += 1;
-            }
-            let mut best = nobody;
-            let in_range = |c: &&Contour| column - i32::from(c.column) >= least;
-            let candidates = right.get(start..).unwrap_or(&[]).iter().take_while(in_range);
-            for (j, candidate) in (start..).zip(candidates).inspect(|_| compared += 1) {
-                if !contour.resembles(*candidate) {
-                    continue;
-                }
-                let Some(cost) = cost(*contour, *candidate) else { continue };
-                if cost < best.cost {
-                    best = Choice { partner: u16::try_from(j).unwrap_or(NOBODY), cost, second: best.cost };
-                } else {
-                    best.second = best.second.min(cost);
-                }
-                if let Some(suitor) = suitors.get_mut(j)
-                    && cost < suitor.0
-                {
-                    *suitor = (cost, i);
-                }
-            }
-            let is_unique =
-                best.second == u16::MAX || 100 * u32::from(best.second) > (100 + uniqueness) * u32::from(best.cost);
-            *choice = if is_unique { best } else { nobody };
+/// Compares every left contour with the right ones that resemble it within the search range, and takes those pairs in which
+/// each is the other's best.
+///
+/// A left contour takes the right one of the least cost, if no second one comes near. Both lines must be in the order of
+/// their columns.
+///
+/// - `cost_of`: what the costs of the right contours' columns are for a left one's column, below 2^16.
+#[inline(always)]
+pub(crate) fn pair<const WORDS: usize, F: Fn(usize) -> u32>(
+    config: &Config,
+    left: &[Edge],
+    right: &[Edge],
+    cost_of: impl Fn(usize) -> F,
+    mut take: impl FnMut(Pair),
+) {
+    // Of each left contour the cheapest partner and the second cost, of each right one the cheapest suitor: cost and place.
+    let mut choices = [[[0; 2]; 2]; WORDS];
+    let mut suitors = [[0; 2]; WORDS];
+    let (choices, suitors) = (choices.as_flattened_mut(), &mut suitors.as_flattened_mut()[..right.len()]);
+    suitors.fill(NOBODY);
+    let least = i32::from(config.min_disparity);
+    let most = least + i32::from(config.num_disparities);
+    let mut start = 0;
+    for ((i, edge), choice) in (0..).zip(left).zip(choices.iter_mut()) {
+        let column = edge.column() as i32;
+        // Both lines are in order, so nobody looks further left than this again.
+        let (first, end) = ((column - most + 1).max(0), (column - least + 1).max(0));
+        while right.get(start).is_some_and(|other| other.is_before(first)) {
+            start += 1;
         }
-        // Range, polarity and the two strengths of each pair; its cost with the best two and the suitor's.
-        count::additions(4 * compared);
-        count::subtractions(compared);
-        count::comparisons(6 * compared + left.len());
-        count::multiplications(2 * left.len());
-        pairing
+        let resembling = edge.resembling();
+        let (weakest, span) = (*resembling.start(), *resembling.end() - *resembling.start());
+        let cost = cost_of(edge.column());
+        let (mut best, mut second) = (NOBODY, NOBODY);
+        let candidates = right[start..].iter().zip(&mut suitors[start..]);
+        for (j, (other, suitor)) in (start as u32..).zip(candidates) {
+            if !other.is_before(end) {
+                break;
+            }
+            if other.kind().wrapping_sub(weakest) > span {
+                continue;
+            }
+            crate::count::evaluations(1);
+            let cost = cost(other.column()) << 16;
+            *suitor = (*suitor).min(cost | i);
+            let key = cost | j;
+            if key < best {
+                (second, best) = (best, key);
+            } else {
+                second = second.min(key);
+            }
+        }
+        *choice = [best, second];
     }
-
-    /// The pairs in which each is the other's best, from left to right: left index, right index, cost.
-    pub(crate) fn pairs(&self) -> impl Iterator<Item = (usize, usize, Choice)> {
-        let choices = (0u16..).zip(self.choice.as_flattened());
-        choices.filter_map(|(i, &choice)| {
-            let partner = usize::from(choice.partner);
-            let &(_, suitor) = self.suitor.as_flattened().get(partner)?;
-            (suitor == i).then_some((usize::from(i), partner, choice))
-        })
+    for ((i, &edge), &[best, second]) in (0..).zip(left).zip(&*choices) {
+        let (cost, other) = (best >> 16, second >> 16);
+        let Some(suitor) = suitors.get((best & 0xffff) as usize).filter(|_| best != NOBODY) else { continue };
+        let second = (second != NOBODY).then_some(other);
+        if suitor & 0xffff == i && second.is_none_or(|second| 100 * second > UNIQUENESS * cost) {
+            take(Pair { left: edge, right: right[(best & 0xffff) as usize], cost, second });
+        }
     }
 }

@@ -139,8 +139,8 @@ const fn sum_of(key: u32) -> u32 {
 /// The features of a row of tiles in both views, and what is searched in them.
 #[derive(Clone, Copy)]
 pub(crate) struct TileRow<'a, C, const WORDS: usize> {
-    left: &'a [Row<WORDS>; 4],
-    right: &'a [Row<WORDS>; 4],
+    pub(crate) left: &'a [Row<WORDS>; 4],
+    pub(crate) right: &'a [Row<WORDS>; 4],
     /// Columns of a row, rounded up to words.
     columns: i32,
     min_disparity: i32,

@@ -1,27 +1,19 @@
 //! The method `contour`: contours of both views, matched (the paper's S2 and S3).
 
 use crate::answer::confidence::Merit;
-use crate::answer::linkage::{Answers, Links};
-use crate::count;
-use crate::front_end::contour::{Contour, ContourLine};
-use crate::front_end::ring::MARGIN;
+use crate::answer::linkage::{Links, PointRows};
+use crate::front_end::camera_view::{Row, replicate_borders, words_for};
+use crate::front_end::contour_line::ContourLine;
 use crate::front_end::scales::Scales;
-use crate::front_end::view::sum_rows;
-use crate::matching::cost::sad;
+use crate::lanes::rows::{Window, gradient_across, gradient_down};
 use crate::matching::extremum::descend;
-use crate::matching::pairing::{Choice, Pairing};
-use crate::method::sparse::{FEATURE_REACH, FEATURE_ROWS, Points, Sparse, SparseRow, SparseView};
+use crate::matching::pairing::{Pair, pair};
+use crate::method::sparse::{LEAST_REACH, Points, Sparse, SparseRows};
 use crate::stage::{Stage, StageClock, Untimed};
 use crate::{Config, ConfigError};
 
-/// Columns of the window that compares two contours, half of them on either side.
-const WINDOW: usize = 2 * MARGIN;
-/// Smoothed rows summed for the upright contours of a row, from the one above it on.
-const SUMMED: i32 = 4;
-/// Percent of the least cost by which the second least must exceed it.
-const UNIQUENESS: u32 = 20;
 /// Links of a point on a contour.
-const LINKS: Links = Links { least: 7, share: 9 };
+const LINKS: Links = Links { least: 10, share: 9 };
 /// Steps of the walk from the distance of two contours to the least cost.
 const STEPS: u8 = 1;
 
@@ -42,9 +34,9 @@ pub struct ContourSettings {
 }
 
 impl ContourSettings {
-    /// What measured best: half-support 2 along rows, 1 along columns, steps of 2 grey levels.
+    /// What measured best: half-support 2 along rows and columns, steps of 2 grey levels.
     pub const DEFAULT: Self =
-        Self { rows: Scales::SECOND, columns: Scales::FINEST, threshold: 2, decimated: false, linked_only: true };
+        Self { rows: Scales::SECOND, columns: Scales::SECOND, threshold: 2, decimated: false, linked_only: true };
 
     /// Checks every field; `rows` are the smoothed rows that the method keeps.
     fn check(&self, rows: usize) -> Result<(), ConfigError> {
@@ -72,20 +64,17 @@ impl Default for ContourSettings {
 /// Smoothed rows that scales along the columns of up to that half-support need; 0 stands for none.
 #[must_use]
 pub const fn rows_for(half_support: u8) -> usize {
-    let above = 1 + half_support as usize;
-    let below = if above < LEAST_BELOW { LEAST_BELOW } else { above };
-    above + 1 + below
+    let half_support = if half_support == 0 { 1 } else { half_support as usize };
+    2 * half_support + 4
 }
-
-/// Smoothed rows that are there below a row in any case, since its features reach down.
-const LEAST_BELOW: usize = FEATURE_ROWS / 2 + 1;
 
 /// Sparse stereo by contours: few answers, at contours only, and hardly any of them wrong.
 ///
-/// In each row the extrema of the Haar response along the row, and those along the columns, are the
-/// contours, with polarity. A left contour takes the right one of the least cost in a small window around
-/// both, if it stands out and if the two choose each other; their distance, refined by the cost, is the
-/// disparity of the pixels on either side of the contour. Points that those around them do not support are left out. All else is unknown.
+/// In each pair of rows the extrema of the Haar response along the rows, and those of the response down the columns (the
+/// paper's section 3, eq. 1), are the contours, with polarity. A left contour takes the right one of the least cost in a
+/// window of 8 x 2 px around both, if it stands out and if the two choose each other; their distance, refined by the
+/// extremum search with its shortest support (section 4), is the disparity of the pixels on either side of the contour, in
+/// both rows. Points that those around them do not support are left out. All else is unknown.
 ///
 /// `BLOCKS` is the capacity: [`blocks_for`](crate::blocks_for) the widest row; `ROWS` is
 /// [`rows_for`] the greatest half-support along the columns.
@@ -99,7 +88,7 @@ const LEAST_BELOW: usize = FEATURE_ROWS / 2 + 1;
 /// contour.push(ScanlinePair { left: &left, right: &right }, &mut |_| ()).unwrap();
 /// # Ok::<(), haarline::ConfigError>(())
 /// ```
-pub type ContourStereo<const BLOCKS: usize, const ROWS: usize = { rows_for(1) }, C = Untimed> =
+pub type ContourStereo<const BLOCKS: usize, const ROWS: usize = { rows_for(2) }, C = Untimed> =
     Sparse<ContourPoints<BLOCKS>, ROWS, BLOCKS, C>;
 
 impl<const ROWS: usize, const BLOCKS: usize> Sparse<ContourPoints<BLOCKS>, ROWS, BLOCKS> {
@@ -131,7 +120,7 @@ impl<const ROWS: usize, const BLOCKS: usize, C: StageClock> Sparse<ContourPoints
 
     fn build_checked(config: Config, settings: ContourSettings, clock: C) -> Result<Self, ConfigError> {
         settings.check(ROWS)?;
-        Self::build(config, ContourPoints { settings, left: ContourLine::new(), right: ContourLine::new() }, clock)
+        Self::build(config, ContourPoints { settings }, clock)
     }
 }
 
@@ -139,163 +128,122 @@ impl<const ROWS: usize, const BLOCKS: usize, C: StageClock> Sparse<ContourPoints
 #[derive(Debug, Clone)]
 pub struct ContourPoints<const BLOCKS: usize> {
     settings: ContourSettings,
-    left: ContourLine<BLOCKS>,
-    right: ContourLine<BLOCKS>,
 }
 
 impl<const ROWS: usize, const BLOCKS: usize> Points<ROWS, BLOCKS> for ContourPoints<BLOCKS> {
     fn reach(&self) -> u32 {
-        u32::from(self.settings.columns.greatest()) + 1
-    }
-
-    fn uses_features(&self) -> bool {
-        true
+        LEAST_REACH.max(u32::from(self.settings.columns.greatest()) + 1)
     }
 
     fn links(&self) -> Option<Links> {
         self.settings.linked_only.then_some(LINKS)
     }
 
-    fn measure(&mut self, row: &SparseRow<'_, ROWS, BLOCKS>, answers: &mut Answers<BLOCKS>, clock: &impl StageClock) {
-        let cost = ContourCost::new(row);
-        let settings = self.settings;
-        let threshold = i32::from(settings.threshold).max(1);
+    fn measure(
+        &mut self,
+        rows: &SparseRows<'_, ROWS, BLOCKS>,
+        points: &mut PointRows<BLOCKS>,
+        clock: &impl StageClock,
+    ) {
+        let windows = Windows::new(rows);
+        let (settings, width) = (self.settings, usize::from(rows.config.width));
+        let threshold = settings.threshold;
+        let mut lines = [const { ContourLine::new() }; 2];
         // The finer answer stands.
         for s in settings.rows.iter() {
             clock.enter(Stage::Contours);
-            for (view, contours) in [(row.left, &mut self.left), (row.right, &mut self.right)] {
-                find_upright(view, row, s, SUMMED * threshold * i32::from(s), settings.decimated, contours);
+            for (view, contours) in lines.iter_mut().enumerate() {
+                let four = [-1, 0, 1, 2].map(|y| rows.row(view, y));
+                if settings.decimated {
+                    contours.find_decimated(four, s, threshold, width);
+                } else {
+                    contours.find_upright(four, s, threshold, width);
+                }
             }
-            self.answer(&cost, if settings.decimated { s } else { STEPS }, answers, clock);
+            answer(&lines, &windows, if settings.decimated { s } else { STEPS }, points, clock);
         }
         for s in settings.columns.iter() {
             clock.enter(Stage::Contours);
-            for (view, contours) in [(row.left, &mut self.left), (row.right, &mut self.right)] {
-                find_lying(view, row, s, threshold * i32::from(s), contours);
+            for (view, contours) in lines.iter_mut().enumerate() {
+                contours.find_lying(|y| rows.row(view, y), s, threshold, width);
             }
-            self.answer(&cost, STEPS, answers, clock);
+            answer(&lines, &windows, STEPS, points, clock);
         }
     }
 }
 
-impl<const BLOCKS: usize> ContourPoints<BLOCKS> {
-    /// Pairs the contours and answers the pixels beside them.
-    fn answer(&self, cost: &ContourCost<'_>, steps: u8, answers: &mut Answers<BLOCKS>, clock: &impl StageClock) {
-        clock.enter(Stage::Seeds);
-        let (left, right) = (self.left.as_slice(), self.right.as_slice());
-        let whole = |contour: Contour| i32::from(contour.column >> 4);
-        let pairing = Pairing::<BLOCKS>::of(cost.config, left, right, UNIQUENESS, |left, right| {
-            u16::try_from(cost.of(whole(left), whole(left) - whole(right))?).ok()
-        });
-        clock.enter(Stage::Blocks);
-        for (i, j, choice) in pairing.pairs() {
-            if let (Some(&contour), Some(&other)) = (left.get(i), right.get(j)) {
-                let x = whole(contour);
-                cost.answer(x, x - whole(other), choice, steps, answers);
-            }
-        }
-    }
-}
-
-/// Finds the upright contours of a row.
-fn find_upright<const ROWS: usize, const BLOCKS: usize>(
-    view: &SparseView<ROWS, BLOCKS>,
-    row: &SparseRow<'_, ROWS, BLOCKS>,
-    half_support: u8,
-    threshold: i32,
-    decimated: bool,
-    contours: &mut ContourLine<BLOCKS>,
+/// Pairs the contours and answers the pixels beside them.
+#[inline(never)]
+fn answer<const BLOCKS: usize>(
+    lines: &[ContourLine<BLOCKS>; 2],
+    windows: &Windows<'_, BLOCKS>,
+    steps: u8,
+    points: &mut PointRows<BLOCKS>,
+    clock: &impl StageClock,
 ) {
-    let width = usize::from(row.config.width);
-    let mut sums = [[0u16; 4]; BLOCKS];
-    let sums = sums.as_flattened_mut();
-    sum_rows(view.smooth.window(row.y - 1), sums);
-    count::additions(3 * width);
-    if decimated {
-        contours.find_decimated(sums.get(MARGIN..MARGIN + width).unwrap_or(&[]), half_support, threshold);
-        return;
-    }
-    // Columns beside the image complete the support at its border columns, as many as there are.
-    let beside = half_support.min(MARGIN_U8);
-    let (first, columns) = (MARGIN - usize::from(beside), width + 2 * usize::from(beside) - 1);
-    contours.find(sums.get(first..first + columns).unwrap_or(&[]), -i32::from(beside), half_support, threshold);
+    clock.enter(Stage::Seeds);
+    let [left, right] = lines.each_ref().map(ContourLine::as_slice);
+    let cost_of = |column: usize| {
+        let window = windows.left(column);
+        move |other: usize| window.sad(windows.right(other))
+    };
+    pair::<BLOCKS, _>(windows.config, left, right, cost_of, |pair| windows.answer(pair, steps, points));
 }
 
-const MARGIN_U8: u8 = 4;
-const _: () = assert!(MARGIN_U8 as usize == MARGIN, "one margin");
-
-/// Finds the lying contours that cross a row.
-fn find_lying<const ROWS: usize, const BLOCKS: usize>(
-    view: &SparseView<ROWS, BLOCKS>,
-    row: &SparseRow<'_, ROWS, BLOCKS>,
-    half_support: u8,
-    threshold: i32,
-    contours: &mut ContourLine<BLOCKS>,
-) {
-    let width = usize::from(row.config.width);
-    let mut responses = [[[0i16; 4]; BLOCKS]; 3];
-    let s = i64::from(half_support);
-    for (y, responses) in (row.y - 1..).zip(&mut responses) {
-        for distance in 0..s {
-            let (below, above) = (view.smooth.row(y + distance), view.smooth.row(y - 1 - distance));
-            for ((response, &below), &above) in responses.as_flattened_mut().iter_mut().zip(below).zip(above) {
-                *response += i16::from(below) - i16::from(above);
-            }
-        }
-    }
-    count::additions(3 * (usize::from(half_support) - 1) * width);
-    count::subtractions(3 * usize::from(half_support) * width);
-    let [above, here, below] = &responses;
-    let rows = [above, here, below].map(|row| row.as_flattened().get(MARGIN..MARGIN + width).unwrap_or(&[]));
-    contours.find_lying(rows, threshold);
-}
-
-/// The windows around the contours of a row.
-struct ContourCost<'a> {
+/// Windows of 8 columns around the contours of a pair of rows: the gradient along the upper row, that down in the lower one.
+struct Windows<'a, const BLOCKS: usize> {
     config: &'a Config,
-    /// Feature rows of both views around the row, with margins.
-    left: [&'a [u8]; FEATURE_ROWS],
-    right: [&'a [u8]; FEATURE_ROWS],
+    features: [[Row<BLOCKS>; 2]; 2],
 }
 
-impl<'a> ContourCost<'a> {
-    fn new<const ROWS: usize, const BLOCKS: usize>(row: &SparseRow<'a, ROWS, BLOCKS>) -> Self {
-        let first = row.y - i64::from(FEATURE_REACH);
-        // Whatever the capacity has beyond the margins is out of reach.
-        let end = usize::from(row.config.width) + 2 * MARGIN;
-        let cut = |row: &'a [u8]| row.get(..end).unwrap_or(row);
-        let (left, right) = (row.left.features.window(first).map(cut), row.right.features.window(first).map(cut));
-        Self { config: row.config, left, right }
+impl<'a, const BLOCKS: usize> Windows<'a, BLOCKS> {
+    #[inline(never)]
+    fn new<const ROWS: usize>(rows: &SparseRows<'a, ROWS, BLOCKS>) -> Self {
+        let width = usize::from(rows.config.width);
+        let words = words_for(width);
+        let features = [0, 1].map(|view| {
+            let row = |y: i64| &rows.row(view, y)[..words];
+            let mut features = [[0; BLOCKS]; 2];
+            let [upper, lower] = &mut features;
+            gradient_across([row(0), row(1)], rows.clips, &mut upper[..words]);
+            gradient_down([row(0), row(2)], rows.clips, &mut lower[..words]);
+            replicate_borders(upper, width);
+            replicate_borders(lower, width);
+            features
+        });
+        Self { config: rows.config, features }
     }
 
-    /// What it costs that the contour at column `x` has that disparity, `0..=1488`: the SAD of the windows.
-    fn of(&self, x: i32, disparity: i32) -> Option<i32> {
-        // With the margin of as many columns, the window's first column is the contour's.
-        let (left, right) = (usize::try_from(x).ok()?, usize::try_from(x - disparity).ok()?);
-        count::evaluations(1);
-        count::additions(WINDOW * FEATURE_ROWS);
-        count::subtractions(WINDOW * FEATURE_ROWS);
-        count::comparisons(WINDOW * FEATURE_ROWS);
-        sad::<WINDOW>(&self.left, &self.right, left, right)
+    /// The window around the contour before a column; the margin is as wide as half of it.
+    #[inline(always)]
+    fn left(&self, column: usize) -> Window {
+        Window::of(self.features[0].each_ref(), column)
     }
 
-    /// Refines the disparity of the contour at column `x` and answers the pixel on either side of it.
-    fn answer<const BLOCKS: usize>(
-        &self,
-        x: i32,
-        disparity: i32,
-        choice: Choice,
-        steps: u8,
-        answers: &mut Answers<BLOCKS>,
-    ) {
-        let minimum = descend(disparity, i32::from(choice.cost), steps, |d| self.of(x, d));
+    #[inline(always)]
+    fn right(&self, column: usize) -> Window {
+        Window::of(self.features[1].each_ref(), column)
+    }
+
+    /// Refines the disparity of a pair and answers the pixel on either side of the contour.
+    #[inline(never)]
+    fn answer(&self, pair: Pair, steps: u8, points: &mut PointRows<BLOCKS>) {
+        let signed = |value: usize| i32::try_from(value).unwrap_or(0);
+        let (x, other) = (signed(pair.left.column()), signed(pair.right.column()));
+        let window = self.left(pair.left.column());
+        let columns = 0..=i32::from(self.config.width);
+        let cost = |disparity: i32| {
+            let column = usize::try_from(x - disparity).ok().filter(|_| columns.contains(&(x - disparity)))?;
+            crate::count::evaluations(1);
+            i32::try_from(window.sad(self.right(column))).ok()
+        };
+        let minimum = descend(x - other, i32::try_from(pair.cost).unwrap_or(0), steps, cost);
         let bits = 16 * minimum.at + minimum.refine_subpixel();
-        let margin = (choice.second != u16::MAX).then(|| i32::from(choice.second) - minimum.cost);
-        // Merits are made for 48 pixels; here are 24.
-        let merit = Merit::new(2 * minimum.cost, margin.map(|margin| 2 * margin));
         // The edge lies before its column.
-        for pixel in [x - 1, x] {
-            answers.add(self.config, pixel, bits, merit);
-        }
+        points.add(self.config, x - 1, 2, bits, || {
+            // Merits are made for 48 pixels of gradients twice as strong; here are 16.
+            let margin = pair.second.map(|second| 6 * (i32::try_from(second).unwrap_or(0) - minimum.cost));
+            Merit::new(6 * minimum.cost, margin)
+        });
     }
 }

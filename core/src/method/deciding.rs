@@ -16,6 +16,8 @@ use crate::matching::tile::{CellCost, OwnCost, SharedCost};
 pub trait Matching: Sealed {
     /// Whether neighbouring cells agree on their labels; else each decides alone.
     const AGREEMENT: bool;
+    /// Whether an extremum search decides whole blocks, and their cells follow.
+    const SEARCH: bool = false;
     /// What a label costs a cell.
     type Cost: CellCost;
     /// The paths of the agreement.
@@ -36,6 +38,23 @@ pub enum Agreeing {}
 /// Each cell decides alone.
 #[derive(Debug, Clone, Copy)]
 pub enum Lonely {}
+
+/// An extremum search decides each block.
+#[derive(Debug, Clone, Copy)]
+pub enum Searching {}
+
+impl Matching for Searching {
+    const AGREEMENT: bool = false;
+    const SEARCH: bool = true;
+    type Cost = SharedCost;
+    type Paths<const WORDS: usize> = ();
+    type Features<const WORDS: usize> = <Lonely as Matching>::Features<WORDS>;
+    type Cells<const WORDS: usize> = <Lonely as Matching>::Cells<WORDS>;
+
+    fn costs(is_noisy: bool) -> (SharedCost, Penalties) {
+        Lonely::costs(is_noisy)
+    }
+}
 
 impl Matching for Agreeing {
     const AGREEMENT: bool = true;
@@ -74,6 +93,7 @@ impl Matching for Lonely {
 pub trait Sealed {}
 impl Sealed for Agreeing {}
 impl Sealed for Lonely {}
+impl Sealed for Searching {}
 
 /// Paths, where there is an agreement.
 pub trait MaybePaths<const WORDS: usize> {

@@ -1,11 +1,15 @@
 //! Which parts of a method take part: for ablations.
 
+use crate::Reading;
+
 /// The parts of a method that can be left out or replaced to see what they bring. A product takes
 /// [`Parts::ALL`]. The parts are those of [`Full`](crate::Full); [`Lite`](crate::Lite) has no agreement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Parts {
     /// Where the hypotheses come from that no neighbour has.
     pub seeds: Seeds,
+    /// What is compared.
+    pub reading: Reading,
     /// The step of the extremum search from the best hypothesis.
     pub extremum: bool,
     /// The agreement of neighbours. Without: each cell takes its least cost.
@@ -31,8 +35,14 @@ pub enum Seeds {
 
 impl Parts {
     /// Everything.
-    pub const ALL: Self =
-        Self { seeds: Seeds::Contours, extremum: true, agreement: true, smoothing: true, texture: true };
+    pub const ALL: Self = Self {
+        seeds: Seeds::Contours,
+        reading: Reading::Haar,
+        extremum: true,
+        agreement: true,
+        smoothing: true,
+        texture: true,
+    };
 }
 
 impl Default for Parts {

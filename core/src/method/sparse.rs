@@ -1,53 +1,67 @@
-//! The frame around the sparse methods: rows in, points measured in one row after the other, rows out.
+//! The frame around the sparse methods: rows in, points measured in one pair of rows after the other, rows out.
 //! Its names are public and its module is not: nobody outside implements a method of points.
 
-use crate::answer::linkage::{AnswerRing, Answers, LINK_REACH, Links};
-use crate::count;
-use crate::front_end::exposure::Exposure;
-use crate::front_end::noise::{Noise, SmoothingLevel};
-use crate::front_end::view::{SMOOTH_LAG, View};
+use crate::answer::linkage::{Links, PointRows};
+use crate::front_end::camera_view::{CameraView, Row};
+use crate::front_end::exposure::{Exposure, Gain};
+use crate::front_end::noise::{Noise, NoiseHistogram};
+use crate::lanes::rows::Clips;
+use crate::method::capacity::check_capacity;
 use crate::method::missing_rows::MissingRows;
-use crate::method::pipeline::check_capacity;
+use crate::method::tile_pipeline::{Sampling, clips_of};
 use crate::stage::{Stage, StageClock, Untimed};
-use crate::{Config, ConfigError, DisparityRow, Reading, RowError, ScanlinePair, StereoMethod};
+use crate::{Config, ConfigError, Disparity, DisparityRow, RowError, ScanlinePair, StereoMethod};
 
-/// Feature rows above and below a row that its answer may look at.
-pub(crate) const FEATURE_REACH: u32 = 1;
-/// Feature rows that are kept.
-pub(crate) const FEATURE_ROWS: usize = 2 * FEATURE_REACH as usize + 1;
-/// Rows by which the first answer lags behind the camera at least: smoothing, the features' third row and
-/// their reach.
-const LEAST_LAG: u32 = SMOOTH_LAG + 1 + FEATURE_REACH;
+/// Rows of the camera by which the newest smoothed row lags behind: half of the widest filter.
+const SMOOTH_LAG: u32 = 2;
+/// Rows of the image that share their points.
+pub(crate) const POINT_ROWS: u32 = 2;
+/// Smoothed rows below the first of the two that every method needs.
+pub(crate) const LEAST_REACH: u32 = 2;
 
-/// Rows by which an answer lags behind its measurement.
-#[expect(clippy::cast_possible_truncation, reason = "2")]
-const LINK_ROWS: u32 = LINK_REACH as u32;
-
-/// A view with `ROWS` smoothed rows.
-pub type SparseView<const ROWS: usize, const BLOCKS: usize> = View<FEATURE_ROWS, BLOCKS, ROWS>;
-
-/// How a method measures the points of one row; [`Sparse`] does the rest.
+/// How a method measures the points of a pair of rows; [`Sparse`] does the rest.
 pub trait Points<const ROWS: usize, const BLOCKS: usize> {
-    /// Smoothed rows below a row that its answer looks at.
+    /// Smoothed rows below the first of the two that it looks at; at least two.
     fn reach(&self) -> u32;
-
-    /// Whether feature rows are wanted.
-    fn uses_features(&self) -> bool;
 
     /// The links without which a point is left out.
     fn links(&self) -> Option<Links>;
 
-    /// Measures the points of the row, and tells `clock` of its stages.
-    fn measure(&mut self, row: &SparseRow<'_, ROWS, BLOCKS>, answers: &mut Answers<BLOCKS>, clock: &impl StageClock);
+    /// Measures the points of the rows, and tells `clock` of its stages.
+    fn measure(&mut self, rows: &SparseRows<'_, ROWS, BLOCKS>, points: &mut PointRows<BLOCKS>, clock: &impl StageClock);
 }
 
-/// A row that is due: everything that its points may be measured by.
-pub struct SparseRow<'a, const ROWS: usize, const BLOCKS: usize> {
+/// A pair of rows that is due: everything that its points may be measured by.
+pub struct SparseRows<'a, const ROWS: usize, const BLOCKS: usize> {
     pub(crate) config: &'a Config,
-    /// Row of the image.
-    pub(crate) y: i64,
-    pub(crate) left: &'a SparseView<ROWS, BLOCKS>,
-    pub(crate) right: &'a SparseView<ROWS, BLOCKS>,
+    /// How strong gradients are limited.
+    pub(crate) clips: Clips,
+    y: u32,
+    newest: u32,
+    views: &'a [SparseView<ROWS, BLOCKS>; 2],
+}
+
+impl<'a, const ROWS: usize, const BLOCKS: usize> SparseRows<'a, ROWS, BLOCKS> {
+    /// A smoothed row of the left view, 0, or of the right one, 1; `offset` is that from the first of the two rows. Above the
+    /// image its first row goes on, below it its last.
+    pub(crate) fn row(&self, view: usize, offset: i64) -> &'a Row<BLOCKS> {
+        let y = (i64::from(self.y) + offset).clamp(0, self.newest.into());
+        &self.views[view].rows[usize::try_from(y).unwrap_or(0) % ROWS]
+    }
+}
+
+/// One view and its newest smoothed rows; the features of a pair of rows are made when they are due.
+#[derive(Debug, Clone)]
+struct SparseView<const ROWS: usize, const BLOCKS: usize> {
+    camera: CameraView<BLOCKS, [[[u32; BLOCKS]; 4]; 0]>,
+    rows: [Row<BLOCKS>; ROWS],
+    noise: NoiseHistogram,
+}
+
+impl<const ROWS: usize, const BLOCKS: usize> SparseView<ROWS, BLOCKS> {
+    const fn new() -> Self {
+        Self { camera: CameraView::new(), rows: [[0; BLOCKS]; ROWS], noise: NoiseHistogram::new() }
+    }
 }
 
 /// A sparse stereo method: the front end that all methods of the core share, and points measured by `M`.
@@ -57,133 +71,122 @@ pub struct SparseRow<'a, const ROWS: usize, const BLOCKS: usize> {
 #[derive(Debug, Clone)]
 pub struct Sparse<M, const ROWS: usize, const BLOCKS: usize, C = Untimed> {
     config: Config,
-    points: M,
-    left: SparseView<ROWS, BLOCKS>,
-    right: SparseView<ROWS, BLOCKS>,
+    method: M,
+    views: [SparseView<ROWS, BLOCKS>; 2],
     exposure: Exposure,
     noise: Noise,
-    answers: AnswerRing<BLOCKS>,
-    /// The row that goes out.
-    out: Answers<BLOCKS>,
-    /// Rows of this frame measured so far.
-    measured: u32,
-    /// Rows of this frame pushed or missed so far.
+    points: PointRows<BLOCKS>,
+    /// The pair of rows that goes out.
+    disparity: [[Disparity; 4]; BLOCKS],
+    confidence: [[u8; 4]; BLOCKS],
+    /// Rows of this frame pushed or missed, and smoothed so far.
     rows: u32,
-    /// Rows of this frame delivered so far.
-    answered: u32,
+    smoothed: u32,
+    /// Pairs of rows measured and written, and rows delivered so far.
+    measured: u32,
+    written: u32,
+    delivered: u32,
     missing: MissingRows,
     clock: C,
 }
 
 impl<M: Points<ROWS, BLOCKS>, const ROWS: usize, const BLOCKS: usize, C: StageClock> Sparse<M, ROWS, BLOCKS, C> {
-    /// A method of `points`, whose settings are checked; `clock` is told of its stages.
-    pub(crate) fn build(config: Config, points: M, clock: C) -> Result<Self, ConfigError> {
+    /// A method of points, whose settings are checked; `clock` is told of its stages.
+    pub(crate) fn build(config: Config, method: M, clock: C) -> Result<Self, ConfigError> {
         check_capacity(&config, BLOCKS)?;
         Ok(Self {
             config,
-            points,
-            left: View::new(),
-            right: View::new(),
+            method,
+            views: [SparseView::new(), SparseView::new()],
             exposure: Exposure::new(),
             noise: Noise::default(),
-            answers: AnswerRing::new(),
-            out: Answers::UNKNOWN,
-            measured: 0,
+            points: PointRows::new(),
+            disparity: [[Disparity::UNKNOWN; 4]; BLOCKS],
+            confidence: [[0; 4]; BLOCKS],
             rows: 0,
-            answered: 0,
+            smoothed: 0,
+            measured: 0,
+            written: 0,
+            delivered: 0,
             missing: MissingRows::default(),
             clock,
         })
     }
 
-    /// Rows that come in after a row before it goes out.
+    /// Rows that come in after a row before it goes out: the smoothing's and the method's reach, and the next pair of rows,
+    /// whose points have their say.
     #[must_use]
     pub fn latency(&self) -> u32 {
-        self.measure_lag() + LINK_ROWS
-    }
-
-    /// Rows that come in after a row before it is measured.
-    fn measure_lag(&self) -> u32 {
-        LEAST_LAG.max(SMOOTH_LAG + self.points.reach())
+        SMOOTH_LAG + self.method.reach() + POINT_ROWS + 1
     }
 
     /// Goes as far as the newest row of both views allows.
     fn advance(&mut self, sink: &mut dyn FnMut(DisparityRow<'_>)) {
         let width = usize::from(self.config.width);
-        let (newest, latency) = (self.left.raw.len() - 1, self.measure_lag());
-        if newest >= SMOOTH_LAG {
-            let gain = self.exposure.gain();
-            self.left.smooth_row(self.noise.level, gain, width);
-            self.right.smooth_row(self.noise.level, gain, width);
-            count_smoothing(self.noise.level, 2 * width);
-        }
-        // As late as they are needed, so that few of them need be kept.
-        if newest + FEATURE_REACH >= latency && self.points.uses_features() {
-            self.left.feature_row(Reading::Haar, width);
-            self.right.feature_row(Reading::Haar, width);
-            // Two rows' [1 2 1] or three columns' and their difference, clipped on both sides.
-            count::additions(2 * 8 * width);
-            count::subtractions(2 * width);
-            count::comparisons(2 * 2 * width);
-        }
-        if newest >= latency {
-            self.measure();
-            if self.measured > LINK_ROWS {
-                self.answer(sink);
+        if self.views[0].camera.len() > SMOOTH_LAG {
+            for view in &mut self.views {
+                view.camera.smooth_row(self.noise.level, width);
+                view.rows[self.smoothed as usize % ROWS] = *view.camera.smooth(self.smoothed.into());
             }
-            self.clock.enter(Stage::Features);
+            self.smoothed += 1;
+            // One row measures a pair, the next one writes the pair before.
+            if self.smoothed > POINT_ROWS * self.measured + self.method.reach() {
+                self.measure();
+            } else if self.measured > self.written + 1 {
+                self.clock.enter(Stage::Consistency);
+                let links = self.method.links();
+                self.points.write(&self.config, links, &mut self.disparity, &mut self.confidence);
+                self.written += 1;
+            }
         }
+        self.deliver(sink);
     }
 
-    /// Measures the points of the next row; a missing row has none.
+    /// Measures the points of the next pair of rows; rows that are missing or below the image have none.
     fn measure(&mut self) {
-        let y = self.measured;
+        let y = POINT_ROWS * self.measured;
         self.measured += 1;
-        let answers = self.answers.push();
-        if y < self.rows && !self.missing.has(y) {
-            let row = SparseRow { config: &self.config, y: i64::from(y), left: &self.left, right: &self.right };
-            self.points.measure(&row, answers, &self.clock);
+        self.points.begin();
+        if (y..y + POINT_ROWS).any(|y| y < self.rows && !self.missing.has(y)) {
+            let (config, clips) = (&self.config, clips_of(self.noise.level));
+            let rows = SparseRows { config, clips, y, newest: self.smoothed - 1, views: &self.views };
+            self.method.measure(&rows, &mut self.points, &self.clock);
         }
     }
 
-    /// Delivers the next row.
-    fn answer(&mut self, sink: &mut dyn FnMut(DisparityRow<'_>)) {
+    /// Delivers the next row, if it is written.
+    fn deliver(&mut self, sink: &mut dyn FnMut(DisparityRow<'_>)) {
+        let y = self.delivered;
+        if y >= self.rows || y / POINT_ROWS >= self.written {
+            return;
+        }
+        self.delivered += 1;
         let width = usize::from(self.config.width);
-        self.clock.enter(Stage::Consistency);
-        self.answers.answer(width, self.points.links(), &mut self.out);
-        let disparity = self.out.disparity.as_flattened().get(..width).unwrap_or(&[]);
-        let confidence = self.out.confidence.as_flattened().get(..width).unwrap_or(&[]);
         self.clock.enter(Stage::Output);
-        sink(DisparityRow { y: self.answered, disparity, confidence });
-        self.answered += 1;
-    }
-
-    /// Takes the newest row into what is known of light and noise.
-    fn judge(&mut self, pair: ScanlinePair<'_>) {
-        if !self.missing.has_any_of_three(self.rows) {
-            self.left.measure_noise(pair.left.len());
-            self.right.measure_noise(pair.right.len());
+        if self.missing.has(y) {
+            let (unknown, none) = ([[Disparity::UNKNOWN; 4]; BLOCKS], [[0; 4]; BLOCKS]);
+            let (disparity, confidence) = (&unknown.as_flattened()[..width], &none.as_flattened()[..width]);
+            return sink(DisparityRow { y, disparity, confidence });
         }
-        self.exposure.add(pair.left);
-        self.exposure.add(pair.right);
-        self.noise = Noise::of(&self.left.noise, &self.right.noise, self.exposure.gain());
-        // One pixel in four: a second difference over 9 pixels, its bin, and two thresholds of light.
-        let looked_at = 2 * pair.left.len() / 4;
-        count::additions(5 * looked_at);
-        count::subtractions(13 * looked_at);
-        count::comparisons(4 * looked_at);
+        let disparity = &self.disparity.as_flattened()[..width];
+        sink(DisparityRow { y, disparity, confidence: &self.confidence.as_flattened()[..width] });
     }
-}
 
-/// Operations of [`View::smooth_row`] on that many pixels, rounding included.
-fn count_smoothing(level: SmoothingLevel, pixels: usize) {
-    let additions = match level {
-        SmoothingLevel::Off => 0,
-        SmoothingLevel::Light => 13,
-        SmoothingLevel::Medium => 11,
-        SmoothingLevel::Strong => 12,
-    };
-    count::additions(additions * pixels);
+    /// Takes the noise of some pixels of the row that came before the newest.
+    fn measure_noise(&mut self) {
+        let Some(sampling) = Sampling::of(self.rows) else { return };
+        if self.rows >= 2 && !self.missing.has_any_of_three(self.rows) {
+            let y = i64::from(self.rows) - 1;
+            for view in &mut self.views {
+                let rows = [y - 1, y, y + 1].map(|y| view.camera.raw(y));
+                view.noise.sample(rows, sampling.first, sampling.stride, sampling.weight, self.config.width.into());
+            }
+        }
+        if self.rows < 16 || self.rows.is_multiple_of(8) {
+            let [left, right] = &self.views;
+            self.noise = Noise::of(&left.noise, &right.noise, Gain::default());
+        }
+    }
 }
 
 impl<M: Points<ROWS, BLOCKS>, const ROWS: usize, const BLOCKS: usize, C: StageClock> StereoMethod
@@ -194,21 +197,30 @@ impl<M: Points<ROWS, BLOCKS>, const ROWS: usize, const BLOCKS: usize, C: StageCl
     }
 
     fn start(&mut self) {
-        self.left.clear();
-        self.right.clear();
+        for view in &mut self.views {
+            view.camera.clear();
+            view.noise.clear();
+        }
         self.exposure = Exposure::new();
         self.noise = Noise::default();
-        self.answers.clear();
-        (self.rows, self.measured, self.answered, self.missing) = (0, 0, 0, MissingRows::default());
+        self.points.clear();
+        (self.rows, self.smoothed, self.measured) = (0, 0, 0);
+        (self.written, self.delivered, self.missing) = (0, 0, MissingRows::default());
     }
 
     fn push(&mut self, pair: ScanlinePair<'_>, sink: &mut dyn FnMut(DisparityRow<'_>)) -> Result<(), RowError> {
         pair.check(self.config.width)?;
         self.clock.enter(Stage::Features);
-        self.left.raw.push_pixels(pair.left);
-        self.right.raw.push_pixels(pair.right);
         self.missing.set(self.rows, false);
-        self.judge(pair);
+        if let Some(sampling) = Sampling::of(self.rows) {
+            self.exposure.sample(pair.left, sampling.first, sampling.stride);
+            self.exposure.sample(pair.right, sampling.first, sampling.stride);
+        }
+        let gain = self.exposure.gain();
+        let [left, right] = &mut self.views;
+        left.camera.push(pair.left, gain);
+        right.camera.push(pair.right, gain);
+        self.measure_noise();
         self.rows += 1;
         self.advance(sink);
         Ok(())
@@ -216,19 +228,17 @@ impl<M: Points<ROWS, BLOCKS>, const ROWS: usize, const BLOCKS: usize, C: StageCl
 
     fn miss(&mut self, sink: &mut dyn FnMut(DisparityRow<'_>)) {
         self.clock.enter(Stage::Features);
-        self.left.raw.push_again();
-        self.right.raw.push_again();
+        self.views.iter_mut().for_each(|view| view.camera.push_again());
         self.missing.set(self.rows, true);
         self.rows += 1;
         self.advance(sink);
     }
 
     fn finish(&mut self, sink: &mut dyn FnMut(DisparityRow<'_>)) {
-        self.clock.enter(Stage::Features);
-        // The last row stands in for those below the image until all rows are answered.
-        while self.answered < self.rows {
-            self.left.raw.push_again();
-            self.right.raw.push_again();
+        // The last row stands in for those below the image.
+        while self.delivered < self.rows {
+            self.clock.enter(Stage::Features);
+            self.views.iter_mut().for_each(|view| view.camera.push_again());
             self.advance(sink);
         }
         self.start();

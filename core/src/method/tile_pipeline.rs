@@ -14,15 +14,16 @@ use crate::front_end::noise::{Noise, NoiseHistogram, SmoothingLevel};
 use crate::lanes::rows::Clips;
 use crate::matching::agreement::Penalties;
 use crate::matching::alone::Alone;
+use crate::matching::block_search::{BlockRow, BlockSettings};
 use crate::matching::tile::{TileRow, TileSettings, Trials};
 use crate::matching::tile_seed::TileSeeds;
+use crate::method::capacity::check_capacity;
 use crate::method::deciding::{CellRows, Matching, MaybePaths};
 use crate::method::missing_rows::MissingRows;
 use crate::method::parts::{Parts, Seeds};
-use crate::method::pipeline::check_capacity;
 use crate::output::frame_figures::{FrameFigures, FrameSums};
 use crate::stage::{Stage, StageClock, Untimed};
-use crate::{Config, ConfigError, Disparity, DisparityRow, RowError, ScanlinePair, StereoMethod};
+use crate::{Config, ConfigError, Disparity, DisparityRow, Reading, RowError, ScanlinePair, StereoMethod};
 
 /// Rows of the camera by which the newest smoothed row lags behind: half of the widest filter.
 const SMOOTH_LAG: u32 = 2;
@@ -133,13 +134,13 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> Tiled<M, BLOCKS, C> {
         let extremum = self.parts.extremum;
         let (cost, penalties) = M::costs(self.noise.level >= SmoothingLevel::Medium);
         let contour = if M::AGREEMENT { 4 } else { 5 };
-        let (clips, contour_threshold, near, far) = match self.noise.level {
-            SmoothingLevel::Off | SmoothingLevel::Light => (Clips::new(15, 4), 2, 4, 24),
-            SmoothingLevel::Medium => (Clips::new(31, 0), contour, 6, 32),
-            SmoothingLevel::Strong => (Clips::new(31, 0), contour, 16, 96),
+        let (contour_threshold, near, far) = match self.noise.level {
+            SmoothingLevel::Off | SmoothingLevel::Light => (2, 4, 24),
+            SmoothingLevel::Medium => (contour, 6, 32),
+            SmoothingLevel::Strong => (contour, 16, 96),
         };
         Settings {
-            clips,
+            clips: clips_of(self.noise.level),
             contour_threshold,
             strong_noise: self.noise.level == SmoothingLevel::Strong,
             tile: TileSettings { cost, near, far, extremum },
@@ -161,8 +162,12 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> Tiled<M, BLOCKS, C> {
             self.right.smooth_row(self.noise.level, width);
         }
         if newest > SMOOTH_LAG {
-            self.left.feature_row(settings.clips, width);
-            self.right.feature_row(settings.clips, width);
+            for view in [&mut self.left, &mut self.right] {
+                match self.parts.reading {
+                    Reading::Haar => view.feature_row(settings.clips, width),
+                    Reading::Intensity => view.intensity_row(settings.clips, width),
+                }
+            }
             // The work on a row of tiles is spread over four rows of the camera.
             let done = self.left.features_len();
             let tile_row = (done / TILE_ROWS).wrapping_sub(1);
@@ -244,6 +249,13 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> Tiled<M, BLOCKS, C> {
             0 => &[],
             _ => above.label[..2 * tiles].as_chunks::<2>().0,
         };
+        if M::SEARCH {
+            let settings = BlockSettings::of(self.noise.level, self.parts.extremum);
+            let row = BlockRow::new(&self.config, row.left, row.right, settings);
+            let seeds = |tile: usize| self.seeds.nearest(tile).map(u32::from);
+            row.decide(seeds, above, [upper.tiles(tiles), lower.tiles(tiles)]);
+            return;
+        }
         let pair = |tile: usize| above.get(tile).map_or([NOBODY; 2], |pair| pair.map(u32::from));
         let mut rows = [upper.tiles(tiles), lower.tiles(tiles)];
         let (mut before, mut here) = (NOBODY, pair(0));
@@ -399,15 +411,23 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> Tiled<M, BLOCKS, C> {
     }
 }
 
+/// How gradients are limited.
+pub(crate) const fn clips_of(level: SmoothingLevel) -> Clips {
+    match level {
+        SmoothingLevel::Off | SmoothingLevel::Light => Clips::new(15, 4),
+        SmoothingLevel::Medium | SmoothingLevel::Strong => Clips::new(31, 0),
+    }
+}
+
 /// Which pixels of a row are looked at for noise and exposure: more in a frame's first rows, so that the level is right soon.
-struct Sampling {
-    first: usize,
-    stride: usize,
-    weight: u16,
+pub(crate) struct Sampling {
+    pub(crate) first: usize,
+    pub(crate) stride: usize,
+    pub(crate) weight: u16,
 }
 
 impl Sampling {
-    fn of(row: u32) -> Option<Self> {
+    pub(crate) fn of(row: u32) -> Option<Self> {
         let first = (row as usize * 5) % 32;
         match row {
             0..16 => Some(Self { first: first % 8, stride: 8, weight: 2 }),

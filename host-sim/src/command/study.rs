@@ -12,7 +12,7 @@ use super::{natural_number, print};
 use crate::output::claims::Claims;
 use crate::score::scene::Scene;
 use crate::study::page::{Origin, page};
-use crate::study::{Outcome, Part, STUDIES, Setup, Study, Table, rendered};
+use crate::study::{Chip, Outcome, Part, STUDIES, Setup, Study, Table, rendered};
 use crate::{output, score::evaluation, score::report};
 
 /// Columns of a paragraph on the terminal.
@@ -33,6 +33,10 @@ pub(super) struct Args {
     /// Folder of scene folders as for haarline eval, for the studies on frames [default: rendered scenes]
     #[arg(long, value_name = "SCENES_DIR")]
     scenes: Option<PathBuf>,
+    /// Counts the instructions of Table 1 on the emulated Cortex-M4F: the program, as `cargo twin` builds it in
+    /// target/thumbv7em-none-eabihf/firmware/twin
+    #[arg(long, value_name = "FILE")]
+    elf: Option<PathBuf>,
     /// Only these of them
     #[arg(long, value_name = "A,B,...", value_delimiter = ',', requires = "scenes")]
     only: Vec<String>,
@@ -67,7 +71,9 @@ impl Args {
             Some(folders) => evaluation::load(folders)?,
             None => rendered::scenes(self.seed),
         };
+        let chip = self.elf.as_deref().map(Chip::read).transpose()?;
         let mut claims = Claims::new();
+        claims.read(&self.elf);
         read_scenes(&mut claims, folders.as_deref().unwrap_or_default());
         let is_ours = |name: &str| [".csv", ".svg", ".html"].iter().any(|end| name.ends_with(end));
         claims.write_in("-o", &self.output, is_ours)?;
@@ -76,7 +82,7 @@ impl Args {
             Choice::One(study) => vec![study],
             Choice::All => STUDIES.iter().collect(),
         };
-        let found = studies.into_iter().map(|study| self.study(study, &scenes, &scenes_name));
+        let found = studies.into_iter().map(|study| self.study(study, &scenes, &scenes_name, chip.as_ref()));
         let outcomes = found.collect::<Result<Vec<Outcome>>>()?;
         self.write_page(&outcomes, &scenes_name)
     }
@@ -86,9 +92,9 @@ impl Args {
     }
 
     /// Does one study, prints what it found and writes its tables and plots.
-    fn study(&self, study: &Study, scenes: &[Scene], scenes_name: &str) -> Result<Outcome> {
+    fn study(&self, study: &Study, scenes: &[Scene], scenes_name: &str, chip: Option<&Chip>) -> Result<Outcome> {
         let progress = progress(0, study.name)?;
-        let outcome = (study.run)(&Setup { seed: self.seed, scenes, scenes_name, progress: &progress });
+        let outcome = (study.run)(&Setup { seed: self.seed, scenes, scenes_name, chip, progress: &progress });
         progress.finish_and_clear();
         let outcome = outcome?;
         print(&match self.name {
@@ -134,6 +140,9 @@ impl Args {
         let mut line = format!("haarline study {name} -o DIR --seed {}", self.seed);
         if let Some(scenes) = &self.scenes {
             line += &format!(" --scenes {}", quoted(&scenes.display().to_string()));
+        }
+        if let Some(elf) = &self.elf {
+            line += &format!(" --elf {}", quoted(&elf.display().to_string()));
         }
         if !self.only.is_empty() {
             line += &format!(" --only {}", quoted(&self.only.join(",")));

@@ -11,6 +11,7 @@ use serde::Serialize;
 use crate::score::baselines::Baselines;
 use crate::score::degrade::Degradation;
 use crate::score::evaluation::{Evaluator, Mean, Source};
+use crate::score::evaluations::evaluations;
 use crate::score::report::{self, format_figure};
 use crate::score::scene::Scene;
 use crate::score::{MapScore, Score};
@@ -79,20 +80,6 @@ impl Variant {
             Kind::Other(method) => method.build(config),
         }
     }
-
-    /// Whether the core counts what it does: all methods but the one for reference.
-    fn is_counted(self) -> bool {
-        !matches!(self.kind, Kind::Other(MethodKind::Block))
-    }
-}
-
-/// What the core did for a pixel, in the mean.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Cost {
-    /// Comparisons of four pixels with four others.
-    pub sad_words_per_pixel: f64,
-    /// Labels compared with one of a neighbour's.
-    pub label_pairs_per_pixel: f64,
 }
 
 /// A variant at one level of noise.
@@ -106,8 +93,8 @@ pub struct Trial {
     pub mean: Score,
     /// The same of the default answers.
     pub default_answers: Score,
-    /// What it took; `None` where that is not counted.
-    pub cost: Option<Cost>,
+    /// Costs worked out for a pixel; `None` where they are not counted.
+    pub evaluations: Option<f64>,
     /// Each scene's score.
     pub scenes: BTreeMap<String, Score>,
 }
@@ -164,17 +151,12 @@ impl Ablation<'_> {
         let baselines = self.baselines.zip(level.as_ref());
         let build = |config| variant.build(config);
         let evaluator = Evaluator { degradation, baselines, ..Evaluator::of(Source::Method(&build)) };
-        let (scores, counts) = counter::count(|| evaluator.run(self.scenes, done))?;
+        let pixels = self.scenes.iter().map(|scene| scene.pair.left.luma.len()).sum();
+        let (scores, evaluations) = evaluations(pixels, || evaluator.run(self.scenes, done))?;
         let scores = scores?;
         let MapScore { all: mean, default_answers, .. } = Mean::of(scores.iter()).context("no scene")?.score;
-        let pixels: usize = self.scenes.iter().map(|scene| scene.pair.left.luma.len()).sum();
-        let per_pixel = |count: u64| count as f64 / pixels as f64;
-        let cost = counts.filter(|_| variant.is_counted()).map(|[words, pairs]| Cost {
-            sad_words_per_pixel: per_pixel(words),
-            label_pairs_per_pixel: per_pixel(pairs),
-        });
         let scenes = scores.into_iter().map(|scene| (scene.name, scene.score.all)).collect();
-        Ok(Trial { variant: variant.name, noise, mean, default_answers, cost, scenes })
+        Ok(Trial { variant: variant.name, noise, mean, default_answers, evaluations, scenes })
     }
 }
 
@@ -205,29 +187,6 @@ pub fn repeats(noise: f64, seeds: u64) -> u64 {
     Variant::SOURCES.iter().map(|&source| if is_drawn(source, noise) { seeds } else { 1 }).sum()
 }
 
-/// The core's counters, where they are built in.
-mod counter {
-    use anyhow::Result;
-
-    /// What `work` returns, and the SAD words and label pairs meanwhile. The counters are of the
-    /// process, so everything runs in one thread.
-    #[cfg(feature = "count")]
-    pub(super) fn count<T: Send>(work: impl FnOnce() -> T + Send) -> Result<(T, Option<[u64; 2]>)> {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
-        haarline::count::take();
-        let result = pool.install(work);
-        let counts = haarline::count::take();
-        Ok((result, Some([counts.sad_words, counts.label_pairs])))
-    }
-
-    /// What `work` returns; nothing is counted.
-    #[cfg(not(feature = "count"))]
-    #[expect(clippy::unnecessary_wraps, reason = "the same signature as with the counters")]
-    pub(super) fn count<T>(work: impl FnOnce() -> T) -> Result<(T, Option<[u64; 2]>)> {
-        Ok((work(), None))
-    }
-}
-
 /// Heads of the figures of [`Score`] in the table, by their keys.
 const FIGURES: [(&str, &str); 9] = [
     ("density", "density"),
@@ -250,7 +209,7 @@ pub fn text(trials: &[Trial], scenes: usize, folder: &Path, seed: u64) -> String
         text += &format!("\n{what}\n{}\n", table(group).trim_fmt());
     }
     text += LEGEND;
-    if trials.iter().all(|trial| trial.cost.is_none()) {
+    if trials.iter().all(|trial| trial.evaluations.is_none()) {
         text += HOW_TO_COUNT;
     }
     text
@@ -279,15 +238,14 @@ pub fn sources_text(repeated: &[Repeated]) -> String {
 
 fn table(trials: &[Trial]) -> Table {
     let heads = ["variant"].into_iter().chain(FIGURES.map(|(_, head)| head));
-    let heads = heads.chain(["tot2 - full's", "SAD words", "label pairs"]);
+    let heads = heads.chain(["tot2 - full's", "evaluations"]);
     let mut table = report::table(heads.collect::<Vec<_>>(), 1);
     for trial in trials {
         let mut cells = vec![trial.variant.to_owned()];
         cells.extend(FIGURES.map(|(key, _)| format_figure(trial.mean.figure(key))));
         let difference = trial.mean.tot2 - trials[0].mean.tot2;
         cells.push(if trial.variant == trials[0].variant { String::new() } else { format!("{difference:+.2}") });
-        cells.push(format_figure(trial.cost.map(|cost| cost.sad_words_per_pixel)));
-        cells.push(format_figure(trial.cost.map(|cost| cost.label_pairs_per_pixel)));
+        cells.push(format_figure(trial.evaluations));
         table.add_row(cells);
     }
     table
@@ -297,13 +255,13 @@ const LEGEND: &str = "
 density: answered, % of the scored pixels. bad2: off by more than 2 px, % of the answered. tot05, tot1, tot2: off
 by more than 0.5, 1, 2 px or unanswered, % of the scored. off10: off by more than a tenth of the depth or unanswered.
 epe: mean error of the answered, px. bad2@BM: bad2 of the most confident answers, as many as StereoBM 9 gives. auc: area under the curve of bad2 over the share of answers kept.
-SAD words, label pairs: comparisons of four pixels with four others, and of a label with a neighbour's, per pixel.
-without seeds: hypotheses from neighbours only. The texture test makes walls without texture unknown; wherever the
+evaluations: costs worked out per pixel, of a disparity of a tile of 8 x 4 px; of block and sgm of a pixel.
+without seeds: hypotheses from neighbours only. The texture test makes walls without texture guesses; wherever the
 truth is known, that counts as bad in tot1 and tot2.
 ";
 
 const HOW_TO_COUNT: &str = "
-SAD words and label pairs are counted by a build with the feature count, which makes every method slower:
+Evaluations are counted by a build with the feature count, which makes every method slower:
   cargo run --release -p haarline-sim --features count -- ablate ...
 ";
 
@@ -314,13 +272,12 @@ SAD words and label pairs are counted by a build with the feature count, which m
 pub fn encode_csv(trials: &[Trial]) -> Result<Vec<u8>> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     let heads = ["variant", "noise", "scenes"].into_iter().chain(Score::FIGURES.map(|(key, _)| key));
-    writer.write_record(heads.chain(["sad_words_per_pixel", "label_pairs_per_pixel"]))?;
+    writer.write_record(heads.chain(["evaluations_per_pixel"]))?;
     for trial in trials {
         let cell = |value: Option<f64>| value.map(|value| format!("{value:.4}")).unwrap_or_default();
         let mut cells = vec![trial.variant.to_owned(), trial.noise.to_string(), trial.scenes.len().to_string()];
         cells.extend(Score::FIGURES.map(|(_, figure)| cell(figure(&trial.mean))));
-        cells.push(cell(trial.cost.map(|cost| cost.sad_words_per_pixel)));
-        cells.push(cell(trial.cost.map(|cost| cost.label_pairs_per_pixel)));
+        cells.push(cell(trial.evaluations));
         writer.write_record(cells)?;
     }
     writer.into_inner().context("the CSV")
@@ -332,8 +289,15 @@ mod tests {
 
     fn trial(variant: &'static str, noise: f64, tot2: f64) -> Trial {
         let mean = Score { density: 90.0, bad2: Some(1.5), tot1: 20.0, tot2, ..Score::default() };
-        let cost = (variant == "full").then_some(Cost { sad_words_per_pixel: 2.25, label_pairs_per_pixel: 3.0 });
-        Trial { variant, noise, mean, default_answers: mean, cost, scenes: BTreeMap::from([("aloe".to_owned(), mean)]) }
+        let evaluations = (variant == "full").then_some(2.25);
+        Trial {
+            variant,
+            noise,
+            mean,
+            default_answers: mean,
+            evaluations,
+            scenes: BTreeMap::from([("aloe".to_owned(), mean)]),
+        }
     }
 
     fn trials() -> Vec<Trial> {
@@ -354,7 +318,7 @@ mod tests {
         assert!(text.contains("clean frames") && text.contains("noise 10 (seed 0)"), "{text}");
         assert!(text.contains("+10.50") && text.contains("-4.00") && text.contains("2.25"), "{text}");
         assert!(!text.contains("--features"), "{text}");
-        let uncounted: Vec<Trial> = trials().into_iter().map(|trial| Trial { cost: None, ..trial }).collect();
+        let uncounted: Vec<Trial> = trials().into_iter().map(|trial| Trial { evaluations: None, ..trial }).collect();
         assert!(super::text(&uncounted, 1, Path::new("scenes"), 0).contains("--features count"));
     }
 
@@ -382,9 +346,9 @@ mod tests {
         assert_eq!(
             lines[0],
             "variant,noise,scenes,density,bad1,bad2,tot05,tot1,tot2,off10,epe,bad2_at_bm_density,auc,\
-             sad_words_per_pixel,label_pairs_per_pixel"
+             evaluations_per_pixel"
         );
-        assert_eq!(lines[3], "full,10,1,90.0000,,1.5000,,20.0000,16.0000,,,,,2.2500,3.0000");
-        assert_eq!(lines[4], "block,10,1,90.0000,,1.5000,,20.0000,12.0000,,,,,,");
+        assert_eq!(lines[3], "full,10,1,90.0000,,1.5000,,20.0000,16.0000,,,,,2.2500");
+        assert_eq!(lines[4], "block,10,1,90.0000,,1.5000,,20.0000,12.0000,,,,,");
     }
 }

@@ -10,6 +10,7 @@ pub mod baselines;
 pub mod confidence_classes;
 pub mod degrade;
 pub mod evaluation;
+pub mod evaluations;
 pub(crate) mod evidence;
 pub mod map_file;
 pub mod obstacle_score;

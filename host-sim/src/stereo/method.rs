@@ -49,7 +49,7 @@ impl MethodKind {
     /// Whether its answers of less confidence than 16 are guesses.
     #[must_use]
     pub const fn has_guesses(self) -> bool {
-        matches!(self, Self::Full | Self::Lite)
+        matches!(self, Self::Full | Self::Lite | Self::WaveletBlock)
     }
 }
 

@@ -6,10 +6,10 @@
 
 pub mod alignment;
 pub mod block;
+pub mod chip;
 pub mod detail;
 pub mod envelope;
 pub mod noise;
-pub mod operations;
 pub mod outcome;
 pub mod page;
 pub mod plot;
@@ -19,6 +19,7 @@ pub mod same_points;
 pub mod scaled;
 pub mod schwefel;
 
+pub use chip::Chip;
 pub use outcome::{Outcome, Part, Plot, Table};
 pub use same_points::{PointScore, SamePoints};
 
@@ -69,6 +70,8 @@ pub struct Setup<'a> {
     pub scenes: &'a [Scene],
     /// Where they come from, as the page shall say it.
     pub scenes_name: &'a str,
+    /// Where instructions are counted; `None` leaves them out.
+    pub chip: Option<&'a Chip>,
     /// Told of every step; the study sets its length.
     pub progress: &'a ProgressBar,
 }

@@ -270,7 +270,7 @@ fn fill_leaves_no_hole_and_what_was_known_as_it_was() {
         if was.is_finite() {
             assert_eq!(was, is, "pixel {index}");
         } else {
-            assert_eq!(confidence[index], 1, "pixel {index}");
+            assert!((1..16).contains(&confidence[index]), "pixel {index}");
         }
     }
 }

@@ -45,7 +45,7 @@ fn assert_all_studies(files: &BTreeMap<String, Vec<u8>>, told: &str) {
         assert!(told.lines().any(|line| line.starts_with(study)), "{study}: {told}");
         let count =
             |suffix: &str| files.keys().filter(|name| name.starts_with(study) && name.ends_with(suffix)).count();
-        // The plot of `block` is against counted operations, which only a build for them has.
+        // The plot of `block` is against instructions, which only the emulated chip tells.
         let has_plots = count(".svg") > 0 || study == "block";
         assert!(count(".csv") > 0 && has_plots, "{study}: {:?}", files.keys());
         assert!(page.contains(&format!("id=\"{study}\"")) && page.contains(&format!("href=\"#{study}\"")));

@@ -1,6 +1,6 @@
 //! Sums of absolute differences: StereoBM's SAD.
 
-use haarline::{Config, count};
+use haarline::Config;
 
 use super::sums::{Place, Step, Sums};
 use super::winner::Winner;
@@ -79,9 +79,6 @@ impl<const WIDTH: usize, const DISPARITIES: usize> Sums for AbsoluteSums<WIDTH, 
     #[inline(always)]
     fn enter(&mut self, column: usize, left: Step<u8>, right: Step<&[u8]>, _: u8) {
         // Two differences, and both to the sum.
-        count::subtractions(3 * right.entering.len());
-        count::comparisons(2 * right.entering.len());
-        count::additions(right.entering.len());
         descend(&mut self.columns[column], left, right);
     }
 
@@ -90,15 +87,12 @@ impl<const WIDTH: usize, const DISPARITIES: usize> Sums for AbsoluteSums<WIDTH, 
     }
 
     fn add(&mut self, entering: Place, searched: usize) {
-        count::additions(searched);
         let columns = Step { entering: &self.columns[entering.column], leaving: Self::NOTHING };
         slide(&mut self.window, columns, searched, &mut self.leasts);
     }
 
     #[inline(always)]
     fn slide(&mut self, columns: Step<Place>, searched: usize) {
-        count::additions(searched);
-        count::subtractions(searched);
         let columns =
             Step { entering: &self.columns[columns.entering.column], leaving: &self.columns[columns.leaving.column] };
         slide(&mut self.window, columns, searched, &mut self.leasts);
@@ -106,12 +100,7 @@ impl<const WIDTH: usize, const DISPARITIES: usize> Sums for AbsoluteSums<WIDTH, 
 
     #[inline(always)]
     fn winner(&mut self, searched: usize) -> Winner {
-        if searched.is_multiple_of(GROUP) {
-            count::comparisons(2 * searched);
-            self.winner_of_groups(searched)
-        } else {
-            self.winner_of_any(searched)
-        }
+        if searched.is_multiple_of(GROUP) { self.winner_of_groups(searched) } else { self.winner_of_any(searched) }
     }
 }
 

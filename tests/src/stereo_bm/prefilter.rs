@@ -1,7 +1,5 @@
 //! The x-derivative prefilter: what is left of a row when brightness and gain offsets are taken away.
 
-use haarline::count;
-
 use crate::simd::sobel_words;
 
 /// Computes the capped horizontal Sobel response of a row, shifted to be positive.
@@ -17,9 +15,6 @@ pub fn sobel_x(rows: [&[u8]; 3], cap: u8, response: &mut [u8]) {
     response[0] = cap;
     response[last] = cap;
     // Three derivatives, their sum, clipped and with its offset.
-    count::subtractions(3 * last.saturating_sub(1));
-    count::additions(3 * last.saturating_sub(1));
-    count::comparisons(2 * last.saturating_sub(1));
     let inner = &mut response[1..last];
     let (whole, rest) = (inner.len() / 4 * 4, inner.len() % 4);
     if whole > 0 {

@@ -3,8 +3,6 @@
 use core::fmt::Debug;
 use core::ops::{Add, Sub};
 
-use haarline::count;
-
 use super::winner::Winner;
 pub use crate::simd::Step;
 
@@ -58,9 +56,6 @@ pub trait Measure: Clone + Debug {
 
     /// The part of one pair, each `cap` too great.
     fn term(left: u8, right: u8, cap: u8) -> Self::Sum;
-
-    /// Counts what `terms` of them take.
-    fn count(terms: usize);
 }
 
 /// Sums of a measure by running sums: down within each cost column, then along the row.
@@ -130,9 +125,6 @@ impl<M: Measure, const WIDTH: usize, const DISPARITIES: usize> RunningSums<M, WI
     }
 
     pub(crate) fn update(&mut self, column: usize, left: Step<u8>, right: Step<&[u8]>, cap: u8) {
-        M::count(2 * right.entering.len());
-        count::additions(right.entering.len());
-        count::subtractions(right.entering.len());
         let sums = &mut self.columns[column];
         for (sum, (&entering, &leaving)) in sums.iter_mut().zip(right.entering.iter().zip(right.leaving)) {
             *sum = *sum + M::term(left.entering, entering, cap) - M::term(left.leaving, leaving, cap);
@@ -140,15 +132,12 @@ impl<M: Measure, const WIDTH: usize, const DISPARITIES: usize> RunningSums<M, WI
     }
 
     pub(crate) fn take(&mut self, column: usize, searched: usize) {
-        count::additions(searched);
         for (sum, &entering) in self.window[..searched].iter_mut().zip(&self.columns[column]) {
             *sum = *sum + entering;
         }
     }
 
     pub(crate) fn shift(&mut self, columns: Step<Place>, searched: usize) {
-        count::additions(searched);
-        count::subtractions(searched);
         let (entering, leaving) = (&self.columns[columns.entering.column], &self.columns[columns.leaving.column]);
         for (sum, (&entering, &leaving)) in self.window[..searched].iter_mut().zip(entering.iter().zip(leaving)) {
             *sum = *sum + entering - leaving;

@@ -1,6 +1,6 @@
 //! The choice among the costs of one pixel.
 
-use haarline::{Config, count};
+use haarline::Config;
 
 /// The least cost of a pixel, and the least of the costs that speak against it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -18,7 +18,6 @@ pub struct Winner {
 impl Winner {
     /// Finds the least cost and its rival. `costs` must not be empty.
     pub fn find<C: Copy + Into<u32>>(costs: &[C]) -> Self {
-        count::comparisons(2 * costs.len());
         if costs.len() <= FEW {
             return Self::find_in_few(costs);
         }
@@ -53,9 +52,6 @@ impl Winner {
 
     /// Whether the rival's cost is more than `ratio` percent over the least cost.
     pub fn is_unique(&self, ratio: u8) -> bool {
-        count::multiplications(2);
-        count::additions(1);
-        count::comparisons(1);
         self.rival.is_none_or(|rival| rival > self.cost + self.cost * u32::from(ratio) / 100)
     }
 
@@ -63,8 +59,6 @@ impl Winner {
     /// equal rival, 255 for a perfect match without an equal and for a winner without rivals.
     pub fn margin(&self) -> u8 {
         let Some(rival) = self.rival else { return u8::MAX };
-        count::subtractions(1);
-        count::multiplications(2);
         let lead = rival.saturating_sub(self.cost);
         let margin = (255 * lead).checked_div(rival).unwrap_or(0);
         u8::try_from(margin).unwrap_or(u8::MAX)
@@ -77,10 +71,6 @@ impl Winner {
     /// of the search the one neighbour counts for both, which leaves the position as it is.
     pub fn refine(&self) -> i32 {
         let Some([before, after]) = self.beside else { return 0 };
-        count::additions(2);
-        count::subtractions(3);
-        count::comparisons(1);
-        count::multiplications(2);
         let [before, after, cost] = [before, after, self.cost].map(u32::cast_signed);
         let slope = before + after - 2 * cost + (after - before).abs();
         ((after - before) * 256).checked_div(slope).unwrap_or(0)

@@ -7,12 +7,12 @@ use super::frame::Frame;
 use super::map::{Map, run, run_with_losses};
 use super::property::{a_gain_keeps, capacities_agree, config, right_answers, the_mirror_keeps, upside_down_keeps};
 
-/// Checks that `map` has answers for one pixel in `one_in` at least, and that 99 percent of them are within
+/// Checks that `map` has answers for one pixel in `one_in` at least, and that 97 percent of them are within
 /// half a pixel of `disparity` px.
 fn check_is_right(map: &Map, disparity: i32, one_in: usize, what: &str) {
     let (right, all) = right_answers(map, disparity, 8, 0);
     let known = map.known().count();
-    assert!(100 * right >= 99 * known, "{what}: {right} of {known} answers are right");
+    assert!(100 * right >= 97 * known, "{what}: {right} of {known} answers are right");
     assert!(one_in * known >= all, "{what}: {known} of {all} pixels known");
 }
 
@@ -65,15 +65,15 @@ pub fn a_sparse_frame_may_begin_with_lost_rows(subject: &Subject) {
     }
 }
 
-/// With the right view at 80 percent of its grey levels 30 percent of the answers stay, and at most 5 percent
+/// With the right view at 80 percent of its grey levels 25 percent of the answers stay, and at most 5 percent
 /// of them change by more than 1 px.
 pub fn a_gain_of_the_right_view_keeps_most_answers(subject: &Subject) {
-    a_gain_keeps(subject, 30);
+    a_gain_keeps(subject, 25);
 }
 
-/// Upside down half of the answers stay, and few of them change.
+/// Upside down 35 percent of the answers stay, and few of them change.
 pub fn a_scene_upside_down_keeps_most_answers(subject: &Subject) {
-    upside_down_keeps(subject, 50);
+    upside_down_keeps(subject, 35);
 }
 
 /// In a mirror 15 percent of the answers stay, as those of the right view: in strong noise envelopes are few.

@@ -28,8 +28,7 @@
 
 use core::fmt;
 
-use crate::matching::block::SIZE;
-use crate::method::pipeline::blocks_for;
+use crate::method::capacity::blocks_for;
 use crate::{DisparityRow, Rig};
 
 mod chain;
@@ -42,6 +41,8 @@ use lane::{Camera, Directions, Lane};
 
 /// Most sectors that anybody asks for: those of MAVLink's `OBSTACLE_DISTANCE`.
 pub const MAX_SECTORS: usize = 72;
+/// Columns and rows of a block of pixels of which one is looked at.
+const SIZE: usize = 4;
 
 /// How the left camera stands over the ground, and what is in the way.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

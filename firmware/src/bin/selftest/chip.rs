@@ -65,7 +65,7 @@ fn wavelet_block(clock: Clock) -> bool {
 
 #[inline(never)]
 fn contour(clock: Clock) -> bool {
-    let method = ContourStereo::<BLOCKS, { rows_for(1) }, _>::timed(CONFIG, clock);
+    let method = ContourStereo::<BLOCKS, { rows_for(2) }, _>::timed(CONFIG, clock);
     test("contour", &mut defmt::unwrap!(method.ok()), clock)
 }
 

@@ -4,19 +4,17 @@
 use anyhow::{Context, Result};
 use rayon::prelude::*;
 
-use super::{CONTOUR, DEGRADATIONS, ENTRIES, Entry, OPPONENT, Setup, Table, UNLINKED};
+use super::{CONTOUR, DEGRADATIONS, ENTRIES, Entry, GATED, OPPONENT, Setup, Table, UNLINKED};
 use crate::score::degrade::Degradation;
 use crate::score::report::format_figure;
 use crate::score::scene::Scene;
 use crate::study::SamePoints;
 use crate::{DisparityMap, stereo::pipeline};
 
-/// StereoBM as OpenCV has it.
-const BLOCK: &str = "block";
 /// The frames of the comparison.
 const FRAMES: [&str; 4] = ["clean", "sigma 10", "right view x 0.8", "low light"];
 /// Who is compared with whom, the contours first.
-const PAIRS: [[&str; 2]; 3] = [[CONTOUR, BLOCK], [CONTOUR, OPPONENT], [UNLINKED, BLOCK]];
+const PAIRS: [[&str; 2]; 3] = [[CONTOUR, GATED], [CONTOUR, OPPONENT], [UNLINKED, GATED]];
 
 /// A pair of methods on all scenes, degraded in one way.
 #[derive(Debug, Clone)]
@@ -59,7 +57,7 @@ fn compare_on(scene: &Scene, degradation: Degradation) -> Result<[SamePoints; PA
         let entry: Entry = ENTRIES.into_iter().find(|entry| entry.name == name).context("no such method")?;
         Ok(pipeline::run(&mut *entry.build(scene.config())?, &pair)?.map)
     };
-    let [contour, unlinked, block, ungated] = [map(CONTOUR)?, map(UNLINKED)?, map(BLOCK)?, map(OPPONENT)?];
+    let [contour, unlinked, block, ungated] = [map(CONTOUR)?, map(UNLINKED)?, map(GATED)?, map(OPPONENT)?];
     let of = |contours, blocks| SamePoints::of(&scene.truth, contours, blocks);
     Ok([of(&contour, &block), of(&contour, &ungated), of(&unlinked, &block)])
 }

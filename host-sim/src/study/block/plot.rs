@@ -12,14 +12,14 @@ use crate::study::plot::{Axis, Chart, Layer, Mark, figure};
 /// The frames of a chart each.
 const FRAMES: [&str; 2] = ["clean", "sigma 10"];
 
-/// `tot2` over the operations of a pixel that were counted, clean and at sigma 10.
-pub(super) fn tot2_against_operations(trials: &[Trial]) -> Result<Plot> {
-    let shown = || ENTRIES.iter().filter(|entry| is_dense(entry));
+/// `tot2` over the instructions of a pixel, clean and at sigma 10, of the methods that the chip has.
+pub(super) fn tot2_against_instructions(trials: &[Trial]) -> Result<Plot> {
+    let shown = || ENTRIES.iter().filter(|entry| is_dense(entry) && entry.on_chip().is_some());
     let points: Vec<&Trial> =
         shown().flat_map(|entry| FRAMES.into_iter().filter_map(|frames| find(trials, entry.name, frames))).collect();
     let x = points.iter().map(|trial| place(trial)[0]).chain([0.0]);
     let y = points.iter().map(|trial| place(trial)[1]).chain([0.0]);
-    let (x, y) = (Axis::around("operations per pixel", x), Axis::around("tot2, % of the scored pixels", y));
+    let (x, y) = (Axis::around("instructions per pixel", x), Axis::around("tot2, % of the scored pixels", y));
     let charts = FRAMES.map(|frames| {
         let mut layers: Vec<Layer> = Vec::new();
         for entry in shown() {
@@ -30,14 +30,14 @@ pub(super) fn tot2_against_operations(trials: &[Trial]) -> Result<Plot> {
         }
         Chart { title: frames.to_owned(), x: x.clone(), y: y.clone(), layers }
     });
-    let caption = "tot2 (lower is better) against counted operations per pixel (left is cheaper), on clean frames and \
+    let caption = "tot2 (lower is better) against instructions per pixel on the emulated chip (left is cheaper), on clean frames and \
                    at noise of 10 grey levels; the methods that are sparse by design are left out."
         .to_owned();
-    Ok(Plot { name: "tot2_operations".to_owned(), caption, svg: figure(&charts, 2, [450, 360])? })
+    Ok(Plot { name: "tot2_instructions".to_owned(), caption, svg: figure(&charts, 2, [450, 360])? })
 }
 
 fn place(trial: &Trial) -> [f64; 2] {
-    [trial.operations.map_or(0.0, |operations| operations.total()), trial.mean.tot2]
+    [trial.instructions.unwrap_or(0.0), trial.mean.tot2]
 }
 
 /// Whether it sets out to answer everywhere.

@@ -1,0 +1,75 @@
+//! What a pixel costs: instructions on the emulated chip.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use anyhow::{Context, Result};
+use haarline::Wiring;
+use haarline::wiring::{First, Kind};
+
+use crate::score::degrade::Degradation;
+use crate::score::scene::Scene;
+use crate::stereo::method::MethodKind;
+use crate::twin::footage::Footage;
+use crate::twin::machine::Machine;
+use crate::twin::{Report, Request};
+
+/// Seconds until a run on the emulated chip is given up.
+const LIMIT: Duration = Duration::from_secs(600);
+
+/// The emulated Cortex-M4F, and the program that runs there.
+#[derive(Debug, Clone)]
+pub struct Chip {
+    program: Vec<u8>,
+    path: PathBuf,
+}
+
+impl Chip {
+    /// Most scenes that are counted: a mean of four is within a percent or two of that of all.
+    pub const MOST_SCENES: usize = 4;
+
+    /// The chip with that program, as `cargo twin` builds it.
+    ///
+    /// # Errors
+    /// If it cannot be read.
+    pub fn read(path: &Path) -> Result<Self> {
+        let program = fs::read(path).with_context(|| format!("{}: cannot be read", path.display()))?;
+        Ok(Self { program, path: path.to_owned() })
+    }
+
+    /// Executed instructions of a pixel, all stages, mean over up to [`Self::MOST_SCENES`] scenes that lie as far apart in the
+    /// list as can be.
+    ///
+    /// # Errors
+    /// If the program fails or is given views that are too wide for it.
+    pub fn instructions(&self, method: MethodKind, scenes: &[Scene], degradation: &Degradation) -> Result<f64> {
+        let step = scenes.len().div_ceil(Self::MOST_SCENES).max(1);
+        let scenes: Vec<&Scene> = scenes.iter().step_by(step).collect();
+        let mut sum = 0.0;
+        for scene in &scenes {
+            let counted = self.count(method, scene, degradation);
+            sum += counted.with_context(|| format!("{} on {}", scene.name, self.path.display()))?;
+        }
+        Ok(sum / scenes.len().max(1) as f64)
+    }
+
+    fn count(&self, method: MethodKind, scene: &Scene, degradation: &Degradation) -> Result<f64> {
+        let mut pair = scene.pair.clone();
+        degradation.apply(&scene.name, &mut pair);
+        let wiring = Wiring::new(Kind::SideBySide, First::Left);
+        let footage = Footage::record(&[pair], wiring)?;
+        let (config, height) = (scene.config(), scene.pair.left.height);
+        let request =
+            Request { config, height, recorded: 1, frames: 1, keep: 1, method, wiring, fault: None, plan: None };
+        request.check()?;
+        let folder = tempfile::tempdir().context("a folder for the run")?;
+        let file = |name: &str| folder.path().join(name);
+        fs::write(file("twin.elf"), &self.program).context("a folder for the run")?;
+        fs::write(file("raw.bin"), &footage.raw).context("a folder for the run")?;
+        Machine::An386.run(folder.path(), "twin.elf", &request.arguments(), LIMIT)?;
+        let report = Report::read(&file("report.txt"))?;
+        let pixels = report.get("worked_rows")? as f64 * f64::from(config.width);
+        Ok(report.get("total")? as f64 / pixels.max(1.0))
+    }
+}
