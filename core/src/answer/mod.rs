@@ -11,4 +11,5 @@ pub mod disparity;
 pub(crate) mod evidence;
 pub(crate) mod linkage;
 pub(crate) mod median;
+pub(crate) mod repetition;
 pub(crate) mod texture;

@@ -14,6 +14,7 @@ pub(crate) use cortex_m::*;
 #[cfg(not(haarline_dsp))]
 pub(crate) use portable::*;
 
+pub(crate) mod evidence_rows;
 pub(crate) mod rows;
 
 /// One in each lane.
