@@ -24,7 +24,7 @@ const OFFSET: i32 = 64 * 64;
 /// Confidence of a guess: 1 to 15.
 const GUESS: u32 = 8;
 /// Most confidence of an answer that is doubtful.
-const MOST_DOUBTFUL: u32 = 63;
+const MOST_DOUBTFUL: u32 = 55;
 /// What seems to lie so much further right in the right view than something that is right of it in the left view, px, is
 /// doubtful.
 const OUT_OF_ORDER: i32 = 8;

@@ -6,7 +6,8 @@
 //!
 //! - it is *unique*: it fits better than what lies at that distance, and clearly so where the row repeats itself;
 //! - it is *seen*: the views differ less than the left one varies, and the features around are stronger than noise;
-//! - it is no *fringe*: not at the side of a contour where hardly anything else is to be seen.
+//! - it is no *fringe*: not at the side of a contour where hardly anything else is to be seen. The contour's surface is
+//!   right there, where it ends is not.
 #![allow(clippy::cast_possible_truncation, reason = "bytes are cut out")]
 
 use crate::Config;
@@ -25,6 +26,8 @@ const UNIQUE: u32 = 6;
 const UNIQUE_IN_REPETITION: u32 = 24;
 /// What [`Worth::bonus`] is of a cell that cannot be sure.
 pub(crate) const NEVER_SURE: u32 = 0xff;
+/// Set in [`Worth::bonus`] of a cell that could be sure but for its being a fringe.
+pub(crate) const FRINGE: u32 = 0x80;
 
 /// The thresholds that the frame's noise asks for.
 #[derive(Debug, Clone, Copy)]
@@ -43,25 +46,26 @@ impl Floor {
         // Near a noise of 0.4 grey levels the camera's rounding hides it.
         const LEAST: u32 = 26;
         let floor = noise.haar_floor().max(LEAST);
+        // With one limit features are half as large.
+        let is_noisy = noise.level >= SmoothingLevel::Medium;
+        let floor = if is_noisy { floor / 2 } else { floor };
         let sure = match (noise.level, agreement) {
-            (SmoothingLevel::Off, true) => 122,
-            (SmoothingLevel::Light, true) => 128,
-            (SmoothingLevel::Medium, true) => 166,
-            (SmoothingLevel::Strong, true) => 174,
-            (SmoothingLevel::Off, false) => 110,
+            (SmoothingLevel::Off, true) => 120,
+            (SmoothingLevel::Light, true) => 130,
+            (SmoothingLevel::Medium, true) => 160 + floor / 3,
+            (SmoothingLevel::Strong, true) => 180,
+            (SmoothingLevel::Off, false) => 108,
             (SmoothingLevel::Light, false) => 112,
             (SmoothingLevel::Medium, false) => 117,
             (SmoothingLevel::Strong, false) => 120,
         };
-        // With one limit features are half as large.
-        let is_noisy = noise.level >= SmoothingLevel::Medium;
-        Self { zero, noise: if is_noisy { floor / 2 } else { floor }, sure }
+        Self { zero, noise: floor, sure }
     }
 }
 
 /// What the cells of a row are worth.
 pub(crate) struct Worth<const WORDS: usize> {
-    /// What likeness adds to the merit, or [`NEVER_SURE`].
+    /// What likeness adds to the merit, [`FRINGE`] more at fringes; or [`NEVER_SURE`].
     pub(crate) bonus: [u8; WORDS],
     /// 255 where there is nothing to see, here and around, else 0.
     pub(crate) blank: [u8; WORDS],
@@ -172,9 +176,9 @@ impl<const WORDS: usize> Evidence<WORDS> {
             let half = halved_sum(strength, 0);
             let most_fit = halved_sum(strength, halved_sum(half, halved_sum(half, 0)));
             let quarter = halved_sum(halved_sum(strongest, 0), 0);
-            let bonus = select_ge(sub(like, fit), unique, bonus, splat(NEVER_SURE));
+            let fringe = select_ge(weakest, max(quarter, seen_from), bonus, bonus | splat(FRINGE));
+            let bonus = select_ge(sub(like, fit), unique, fringe, splat(NEVER_SURE));
             let bonus = select_ge(most_fit, fit, bonus, splat(NEVER_SURE));
-            let bonus = select_ge(weakest, max(quarter, seen_from), bonus, splat(NEVER_SURE));
             store(&mut worth.bonus, 4 * i, bonus);
             store(&mut worth.blank, 4 * i, select_ge(blank_to, strength, u32::MAX, 0));
             (before, here) = (here, next);

@@ -1,7 +1,7 @@
 //! Medians of the labels over 3 x 3 cells, and confidence from their merits: four cells a word.
 
 use crate::answer::cell_row::CellRow;
-use crate::answer::evidence::NEVER_SURE;
+use crate::answer::evidence::{FRINGE, NEVER_SURE};
 use crate::lanes::{ONES, add, halved_sum, lane, max, min, min_max, select_ge, splat, sub};
 
 /// Most steps beyond the first, between the labels around a cell, that it pays for: 14 in merit each.
@@ -10,6 +10,10 @@ const MOST_STEPS: u32 = 5;
 const DOUBT: u32 = 40;
 /// Least confidence of a sure answer.
 const SURE: u32 = 64;
+/// Confidence of what is sure but for its being a fringe.
+const SURE_FRINGE: u32 = 60;
+/// Most confidence of anything else that is not sure.
+const MOST_DOUBTFUL: u32 = 55;
 /// Least confidence of a measured answer.
 const MEASURED: u32 = 16;
 
@@ -65,9 +69,13 @@ pub(crate) fn medians<const WORDS: usize>(
         // No lane borrows: 14 = 16 - 2.
         let merit = sub(mean, (steps << 4) - (steps << 1));
         let bonus = bonuses.at(i);
-        let certain = sub(add(merit, bonus), sure_less_64);
-        let doubtful = min(sub(merit, add(sure_less_64, splat(DOUBT))), splat(SURE - 1));
-        let confidence = select_ge(bonus, splat(NEVER_SURE), doubtful, certain);
+        // What is added is below the fringe's bit.
+        let certain = sub(add(merit, bonus & splat(FRINGE / 2 - 1)), sure_less_64);
+        let doubtful = min(sub(merit, add(sure_less_64, splat(DOUBT))), splat(MOST_DOUBTFUL));
+        let as_fringe = select_ge(bonus, splat(NEVER_SURE), doubtful, splat(SURE_FRINGE));
+        let if_sure = select_ge(bonus, splat(FRINGE), as_fringe, certain);
+        let if_not = select_ge(bonus, splat(FRINGE), doubtful, min(certain, splat(MOST_DOUBTFUL)));
+        let confidence = select_ge(certain, splat(SURE), if_sure, if_not);
         take(i, median, max(confidence, splat(MEASURED)));
         (before, here) = (here, next);
     }
