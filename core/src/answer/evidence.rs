@@ -52,7 +52,7 @@ impl Floor {
         let sure = match (noise.level, agreement) {
             (SmoothingLevel::Off, true) => 120,
             (SmoothingLevel::Light, true) => 130,
-            (SmoothingLevel::Medium, true) => 160 + floor / 3,
+            (SmoothingLevel::Medium, true) => 160 + floor / 5,
             (SmoothingLevel::Strong, true) => 180,
             (SmoothingLevel::Off, false) => 108,
             (SmoothingLevel::Light, false) => 112,
