@@ -3,10 +3,10 @@
 holds itself to, measured with `haarline eval` on recorded scenes and on rendered ones that other seeds make anew.
 
     python3 tests/evidence_table.py HAARLINE DATA [--method full,lite] [--only sure,cases,alarm,obstacles]
-                                    [--seeds 0,1] [--must]
+                                    [--seeds 0,1] [--must] [--most-missed N]
 
 DATA is the folder with qvga; without it (-) the recorded scenes are left out. A line that misses its limit ends in
-"missed"; with --must there must be none.
+"missed"; with --must there must be none, with --most-missed at most so many.
 """
 import argparse
 import json
@@ -158,6 +158,7 @@ def main():
     parser.add_argument("--only", default="sure,cases,alarm,obstacles")
     parser.add_argument("--seeds", default="0,1")
     parser.add_argument("--must", action="store_true")
+    parser.add_argument("--most-missed", type=int)
     arguments = parser.parse_args()
     parts, seeds = arguments.only.split(","), [int(seed) for seed in arguments.seeds.split(",")]
     recorded = arguments.data != "-"
@@ -173,7 +174,8 @@ def main():
             if "obstacles" in parts:
                 obstacles(bench, method, seeds)
     print(f"{bench.failed} missed")
-    assert not (arguments.must and bench.failed), f"{bench.failed} limits missed"
+    most = 0 if arguments.must else arguments.most_missed
+    assert most is None or bench.failed <= most, f"{bench.failed} limits missed"
 
 
 if __name__ == "__main__":

@@ -14,8 +14,8 @@ use crate::answer::median::medians;
 use crate::front_end::camera_view::Row;
 use crate::lanes::rows::{least_of_three, load, update, window_sad};
 use crate::lanes::{
-    ONES, add, add_halves, difference, max, select_ge, select_ge_halves, signed_halved_sum_halves, splat, splat_half,
-    sub_halves,
+    ONES, add, add_halves, difference, max, min, select_ge, select_ge_halves, signed_halved_sum_halves, splat,
+    splat_half, sub_halves,
 };
 use crate::{Config, Disparity};
 
@@ -25,6 +25,11 @@ const OFFSET: i32 = 64 * 64;
 const WHOLE: u32 = 0xfffc_fffc;
 /// Confidence of a guess: 1 to 15.
 const GUESS: u32 = 8;
+/// Most confidence of an answer that is doubtful.
+const MOST_DOUBTFUL: u32 = 55;
+/// What seems to lie so much further right in the right view than something that is right of it in the left view, px, is
+/// doubtful.
+const OUT_OF_ORDER: i32 = 8;
 
 /// Confidence comes in steps of so much.
 const STEP: u32 = 8;
@@ -47,7 +52,7 @@ pub(crate) struct Sources<'a, const WORDS: usize> {
     /// The two feature rows of the cells, of either view.
     pub(crate) left: [&'a Row<WORDS>; 2],
     pub(crate) right: [&'a Row<WORDS>; 2],
-    /// What the cells are worth, and the merit that an answer must exceed by 64 to be sure.
+    /// What the cells are worth, and the merit from which on an answer is sure.
     pub(crate) worth: Worth<WORDS>,
     pub(crate) sure: u32,
 }
@@ -82,7 +87,7 @@ impl<const WORDS: usize> AnswerRow<WORDS> {
         let (fours, rest) = self.confidence[..cells].as_chunks_mut::<4>();
         let (median_fours, median_rest) = median[..cells].as_chunks_mut::<4>();
         let (surface_fours, surface_rest) = surfaces[..cells].as_chunks_mut::<4>();
-        medians(sources.rows, cells, &sources.worth.unique, sources.sure, |i, labels, certain| {
+        medians(sources.rows, cells, &sources.worth.bonus, sources.sure, |i, labels, certain| {
             // What is finer than a step says nothing, and costs room in packets.
             let certain = (certain & splat(!(STEP - 1) & 0xff))
                 .to_le_bytes()
@@ -236,16 +241,24 @@ impl<const WORDS: usize> AnswerRow<WORDS> {
             }
         }
         let origin = 4 - i32::from(config.min_disparity);
-        let mut column = origin;
-        for &[a, b] in surfaces {
+        let mut column = origin + 4 * surfaces.len() as i32;
+        // Seen past a nearer thing to the right of it: that is mostly a strip that the right view does not see, and that looks
+        // like what only the right view sees at the thing's other side.
+        let mut leftmost = i32::MAX - OUT_OF_ORDER;
+        for (&[a, b], confidence) in surfaces.iter().zip(&mut self.confidence).rev() {
+            column -= 4;
             let at = |label: u8| (column - i32::from(label)).cast_unsigned() as usize;
+            let here = column - i32::from(b);
+            if here > leftmost + OUT_OF_ORDER {
+                *confidence = min(u32::from_le_bytes(*confidence), splat(MOST_DOUBTFUL)).to_le_bytes();
+            }
+            leftmost = leftmost.min(here);
             if a == b {
                 claim(claims, at(a), splat(u32::from(a)));
             } else {
                 claim(claims, at(a), splat(u32::from(a)) & 0x0000_ffff);
                 claim(claims, at(b), splat(u32::from(b)) & 0xffff_0000);
             }
-            column += 4;
         }
         let mut first_hidden = None;
         let mut seen_before = None;
@@ -262,6 +275,9 @@ impl<const WORDS: usize> AnswerRow<WORDS> {
                 // Seen: it may be what lies behind the hidden ones before it.
                 if let Some(first) = first_hidden.take() {
                     self.fill(first..c, seen_before, Some(self.pixels[c][0] & 0xffff));
+                    // The window reaches into what is hidden.
+                    let confidence = min(u32::from_le_bytes(self.confidence[c]), splat(MOST_DOUBTFUL));
+                    self.confidence[c] = confidence.to_le_bytes();
                 }
                 seen_before = Some(c);
             } else {
@@ -275,8 +291,8 @@ impl<const WORDS: usize> AnswerRow<WORDS> {
         }
     }
 
-    /// Where there is nothing to see an answer is a guess, unless the nearest cells to the left and to the right that have
-    /// evidence agree with it.
+    /// Where there is nothing to see an answer is a guess, unless the nearest cells to the left and to the right that show
+    /// something agree with it.
     #[inline(never)]
     fn doubt_blank(&mut self, cells: usize, median: &[u8; WORDS], worth: &Worth<WORDS>) {
         const NEAR: u8 = 2;
@@ -285,14 +301,12 @@ impl<const WORDS: usize> AnswerRow<WORDS> {
         let mut c = 0;
         while c < cells {
             if blank[c] == 0 {
-                if worth.unique[c] != 0 {
-                    before = Some(median[c]);
-                }
+                before = Some(median[c]);
                 c += 1;
                 continue;
             }
             let end = (c..cells).find(|&i| blank[i] == 0).unwrap_or(cells);
-            let after = (end..cells).find(|&i| blank[i] == 0 && worth.unique[i] != 0).map(|i| median[i]);
+            let after = median.get(end).copied();
             for i in c..end {
                 let agrees = |other: Option<u8>| other.is_some_and(|other| other.abs_diff(median[i]) <= NEAR);
                 if !(agrees(before) && agrees(after)) {

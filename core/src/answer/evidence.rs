@@ -1,30 +1,33 @@
 //! Evidence: could this piece of the left row be taken for another piece of the left row, and is there anything to see?
 //!
 //! A margin between labels says how sure the choice *among the labels* is. It says nothing of surfaces that are no label
-//! (the next bar of a fence), nor of walls that fit everywhere. So a cell is *unique* only if its answer fits better than
-//! the left row fits itself 4 and 8 px beside, and *blank* if its features are no stronger than the noise.
-#![allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_possible_wrap,
-    reason = "sums are limited to 255 before, columns are below 1280"
-)]
+//! (the next bar of a fence), nor of walls that fit everywhere. So an answer gains merit by how much better it fits than the
+//! left row fits itself 4 and 8 px beside and at the distance of like contours ([`Repetition`]). It can be sure only if
+//!
+//! - it is *unique*: it fits better than what lies at that distance, and clearly so where the row repeats itself;
+//! - it is *seen*: the views differ less than the left one varies, and the features around are stronger than noise;
+//! - it is no *fringe*: not at the side of a contour where hardly anything else is to be seen. The contour's surface is
+//!   right there, where it ends is not.
+#![allow(clippy::cast_possible_truncation, reason = "bytes are cut out")]
 
 use crate::Config;
-use crate::front_end::camera_view::Row;
+use crate::answer::median::{Fours, fours};
+use crate::answer::repetition::Repetition;
+use crate::front_end::camera_view::{Row, words_for};
 use crate::front_end::noise::{Noise, SmoothingLevel};
-use crate::lanes::rows::load;
-use crate::lanes::{halved_sum, sad, sad_add, splat};
-use crate::matching::tile_seed::ANY;
+use crate::lanes::evidence_rows::{CellSums, CellWindows, least_with_before};
+use crate::lanes::{halved_sum, lane, max, min, select_ge, splat, sub};
 
-/// What uniqueness adds to the merit of a cell.
-const UNIQUE: u32 = 90;
-
-/// What is known of a cell, a byte each: sums over its 4 x 2 px, at most 255.
-///
-/// - lane 0: absolute differences at the answer;
-/// - lanes 1 and 2: absolute differences of the left row against itself 4 and 8 px to the right;
-/// - lane 3: magnitudes of the features, of the weaker view.
-type Sums = u32;
+/// Most that likeness adds to the merit of a cell.
+const MOST_BONUS: u32 = 32;
+/// By how much the answer must fit better than what lies at the distance of like contours.
+const UNIQUE: u32 = 6;
+/// The same where the row repeats itself.
+const UNIQUE_IN_REPETITION: u32 = 24;
+/// What [`Worth::bonus`] is of a cell that cannot be sure.
+pub(crate) const NEVER_SURE: u32 = 0xff;
+/// Set in [`Worth::bonus`] of a cell that could be sure but for its being a fringe.
+pub(crate) const FRINGE: u32 = 0x80;
 
 /// The thresholds that the frame's noise asks for.
 #[derive(Debug, Clone, Copy)]
@@ -33,7 +36,7 @@ pub(crate) struct Floor {
     pub(crate) zero: u32,
     /// Mean magnitude of a feature that noise explains, 1/16.
     pub(crate) noise: u32,
-    /// The merit, uniqueness included, that an answer must exceed by 64 to be sure.
+    /// The merit, bonus included, from which on an answer is sure.
     pub(crate) sure: u32,
 }
 
@@ -43,69 +46,62 @@ impl Floor {
         // Near a noise of 0.4 grey levels the camera's rounding hides it.
         const LEAST: u32 = 26;
         let floor = noise.haar_floor().max(LEAST);
-        let is_noisy = noise.level >= SmoothingLevel::Medium;
-        let sure = match (agreement, is_noisy) {
-            (true, false) => 154,
-            (true, true) => 179,
-            (false, false) => 132,
-            (false, true) => 138,
-        };
         // With one limit features are half as large.
-        Self { zero, noise: if is_noisy { floor / 2 } else { floor }, sure }
+        let is_noisy = noise.level >= SmoothingLevel::Medium;
+        let floor = if is_noisy { floor / 2 } else { floor };
+        let sure = match (noise.level, agreement) {
+            (SmoothingLevel::Off, true) => 120,
+            (SmoothingLevel::Light, true) => 130,
+            (SmoothingLevel::Medium, true) => 160 + floor / 5,
+            (SmoothingLevel::Strong, true) => 180,
+            (SmoothingLevel::Off, false) => 108,
+            (SmoothingLevel::Light, false) => 112,
+            (SmoothingLevel::Medium, false) => 117,
+            (SmoothingLevel::Strong, false) => 120,
+        };
+        Self { zero, noise: floor, sure }
     }
 }
 
 /// What the cells of a row are worth.
 pub(crate) struct Worth<const WORDS: usize> {
-    /// What uniqueness adds to the merit.
-    pub(crate) unique: [u8; WORDS],
+    /// What likeness adds to the merit, [`FRINGE`] more at fringes; or [`NEVER_SURE`].
+    pub(crate) bonus: [u8; WORDS],
     /// 255 where there is nothing to see, here and around, else 0.
     pub(crate) blank: [u8; WORDS],
 }
 
 impl<const WORDS: usize> Worth<WORDS> {
     /// Everything is unique and nothing blank.
-    pub(crate) const TRUSTED: Self = Self { unique: [UNIQUE as u8; WORDS], blank: [0; WORDS] };
-
-    /// A cell whose surface the nearest contour could as well be given another partner on is not unique.
-    ///
-    /// - `rivals`: as [`TileSeeds::rivals`](crate::matching::tile_seed::TileSeeds::rivals) has them.
-    #[inline(never)]
-    pub(crate) fn doubt_rivals(&mut self, labels: &[u8; WORDS], rivals: &[[u16; 2]], cells: usize) {
-        let pairs = self.unique[..cells].chunks_mut(2).zip(labels[..cells].chunks(2));
-        for (tile, (unique, labels)) in pairs.enumerate() {
-            for (unique, &label) in unique.iter_mut().zip(labels) {
-                if *unique != 0 && !is_alone(tile, label.into(), rivals) {
-                    *unique = 0;
-                }
-            }
-        }
-    }
+    pub(crate) const TRUSTED: Self = Self { bonus: [MOST_BONUS as u8; WORDS], blank: [0; WORDS] };
 }
 
-/// Whether the nearest contour of a tile that has to do with a label has no rival for it.
-#[inline(always)]
-fn is_alone(tile: usize, label: u16, rivals: &[[u16; 2]]) -> bool {
-    for at in [tile, tile.wrapping_sub(1), tile + 1, tile.wrapping_sub(2), tile + 2] {
-        let Some(&[first, second]) = rivals.get(at) else { continue };
-        if first == ANY {
-            return false;
-        }
-        if first.abs_diff(label) <= 1 || second.abs_diff(label) <= 1 {
-            return first == second;
-        }
-    }
-    true
+/// What is known of the cells of a row, a byte each: sums over their 4 x 2 px, at most 255.
+#[derive(Debug, Clone)]
+struct Sums<const WORDS: usize> {
+    /// Absolute differences at the answer.
+    fit: [u8; WORDS],
+    /// The least absolute differences of the left row against itself 4 and 8 px to the left and to the right.
+    beside: [u8; WORDS],
+    /// The same at the distance of like contours.
+    like: [u8; WORDS],
+    /// Magnitudes of the left row's features.
+    strength: [u8; WORDS],
 }
 
 /// The evidence of the newest three cell rows.
 #[derive(Debug, Clone)]
 pub(crate) struct Evidence<const WORDS: usize> {
-    rows: [[Sums; WORDS]; 3],
+    rows: [Sums<WORDS>; 3],
+    /// Whether the newest row repeats itself.
+    is_repeated: bool,
 }
 
 impl<const WORDS: usize> Evidence<WORDS> {
-    pub(crate) const EMPTY: Self = Self { rows: [[0; WORDS]; 3] };
+    pub(crate) const EMPTY: Self = Self {
+        rows: [const { Sums { fit: [0; WORDS], beside: [0; WORDS], like: [0; WORDS], strength: [0; WORDS] } }; 3],
+        is_repeated: false,
+    };
 
     /// Measures the cells of row `number`.
     ///
@@ -115,57 +111,96 @@ impl<const WORDS: usize> Evidence<WORDS> {
         &mut self,
         number: u32,
         config: &Config,
-        [left, right]: [[&Row<WORDS>; 2]; 2],
+        views: [[&Row<WORDS>; 2]; 2],
         labels: &[u8; WORDS],
         floor: Floor,
+        repetition: &Repetition,
     ) {
         let cells = usize::from(config.width).div_ceil(4);
-        let zero = splat(floor.zero);
-        let Some(row) = self.rows[(number % 3) as usize].get_mut(..cells) else { return };
-        // The words of a cell and of those beside it; beyond the row its margin stands.
-        let [upper, lower] = left.map(|row| &row[1..cells + 2]);
-        let words = |row: &[u32], at: usize| row.get(at).or(row.last()).copied().unwrap_or(0);
-        let (mut a, mut b) = ([words(upper, 0), words(lower, 0)], [words(upper, 1), words(lower, 1)]);
-        let mut column = 4 - i32::from(config.min_disparity);
-        for (at, (sums, &label)) in (2..).zip(row.iter_mut().zip(labels)) {
-            let c = [words(upper, at), words(lower, at)];
-            let byte = (column - i32::from(label)).cast_unsigned() as usize;
-            let [x, y] = right.map(|row| load(row, byte));
-            let fit = sad_add(a[1], y, sad(a[0], x));
-            let near = sad_add(a[1], b[1], sad(a[0], b[0]));
-            let far = sad_add(a[1], c[1], sad(a[0], c[0]));
-            let strength = sad_add(a[1], zero, sad(a[0], zero)).min(sad_add(y, zero, sad(x, zero)));
-            *sums = fit.min(255) | near.min(255) << 8 | far.min(255) << 16 | strength.min(255) << 24;
-            column += 4;
-            (a, b) = (b, c);
+        let words = words_for(config.width.into());
+        let [left, right] = views.map(|rows| rows.map(|row| &row[..words]));
+        let windows = CellWindows {
+            left,
+            right,
+            labels: &labels[..cells],
+            origin: 4 - i32::from(config.min_disparity),
+            distance: repetition.distance,
+            zero: splat(floor.zero),
+        };
+        let (mut near, mut far, mut like) = ([u8::MAX; WORDS], [u8::MAX; WORDS], [u8::MAX; WORDS]);
+        let Sums { fit, strength, .. } = &mut self.rows[(number % 3) as usize];
+        windows.sum(&mut CellSums { near: &mut near, far: &mut far, like: &mut like, fit, strength });
+        self.is_repeated = repetition.is_strong;
+        // Another piece may lie to the left as well: what is true of the cells so much before.
+        let steps = (repetition.distance as usize + 2) / 4;
+        let Sums { beside, like: least_like, .. } = &mut self.rows[(number % 3) as usize];
+        for first in (0..cells).step_by(4) {
+            store(beside, first, min(least_with_before(&near, first, 1), least_with_before(&far, first, 2)));
+            store(least_like, first, least_with_before(&like, first, steps));
         }
     }
 
     /// Judges the cells of row `number` by those around them; the rows above and below must be measured.
     #[inline(never)]
     pub(crate) fn judge(&self, number: u32, cells: usize, floor: Floor) -> Worth<WORDS> {
-        let [above, here, below] =
-            [number.saturating_sub(1), number, number + 1].map(|row| &self.rows[(row % 3) as usize][..cells]);
-        let mut worth = Worth { unique: [0; WORDS], blank: [0; WORDS] };
-        // Means over three rows, all four sums at once; then over three columns.
-        let mean = |c: usize| Some(halved_sum(halved_sum(*above.get(c)?, *below.get(c)?), *here.get(c)?));
-        let unique_from = (floor.noise * 5 / 32).min(255);
-        let blank_to = (floor.noise * 2 / 5).clamp(1, 255);
-        let mut middle = mean(0).unwrap_or(0);
-        let mut before = middle;
-        // Another piece may lie to the left as well: what is true of the cells 4 and 8 px before.
-        let (mut near_before, mut far_before) = (255, [255; 2]);
-        let cells = worth.unique[..cells].iter_mut().zip(&mut worth.blank[..cells]);
-        for (c, (unique, blank)) in (1..).zip(cells) {
-            let after = mean(c).unwrap_or(middle);
-            let around = halved_sum(halved_sum(before, after), middle);
-            (before, middle) = (middle, after);
-            let (fit, near, far) = (around & 0xff, around >> 8 & 0xff, around >> 16 & 0xff);
-            let likeness = near.min(near_before).min(far).min(far_before[0]);
-            (near_before, far_before) = (near, [far_before[1], far]);
-            *unique = if likeness >= fit + unique_from { UNIQUE as u8 } else { 0 };
-            *blank = if around >> 24 <= blank_to { u8::MAX } else { 0 };
+        let rows = [number.saturating_sub(1), number, number + 1].map(|row| &self.rows[(row % 3) as usize]);
+        let mut worth = Worth { bonus: [0; WORDS], blank: [0; WORDS] };
+        let planes = [
+            rows.map(|row| fours(&row.fit, cells)),
+            rows.map(|row| fours(&row.beside, cells)),
+            rows.map(|row| fours(&row.like, cells)),
+            rows.map(|row| fours(&row.strength, cells)),
+        ];
+        let unique = splat(if self.is_repeated { UNIQUE_IN_REPETITION } else { UNIQUE });
+        let blank_to = splat((floor.noise * 2 / 5).clamp(1, 255));
+        let seen_from = splat((floor.noise * 3 / 8).clamp(1, 255));
+        let count = cells.div_ceil(4);
+        if count == 0 {
+            return worth;
+        }
+        // Means of three rows, four columns each.
+        let columns = |i: usize| planes.each_ref().map(|rows| mean_down(rows, i));
+        let mut here = columns(0);
+        let mut before = here.map(|column| splat(lane(column, 0)));
+        for i in 0..count {
+            let next = if i + 1 < count { columns(i + 1) } else { here.map(|column| splat(lane(column, 3))) };
+            let shifted = |k: usize| [here[k] << 8 | before[k] >> 24, here[k], here[k] >> 8 | next[k] << 24];
+            let mean = |[a, b, c]: [u32; 3]| halved_sum(halved_sum(a, c), b);
+            let [fit, beside, like] = [0, 1, 2].map(|k| mean(shifted(k)));
+            let strengths = shifted(3);
+            let strength = mean(strengths);
+            let weakest = min(min(strengths[0], strengths[2]), strengths[1]);
+            let strongest = max(max(strengths[0], strengths[2]), strengths[1]);
+            let bonus = min(sub(min(beside, like), fit), splat(MOST_BONUS));
+            // 11/16 of the strength.
+            let half = halved_sum(strength, 0);
+            let most_fit = halved_sum(strength, halved_sum(half, halved_sum(half, 0)));
+            let quarter = halved_sum(halved_sum(strongest, 0), 0);
+            let fringe = select_ge(weakest, max(quarter, seen_from), bonus, bonus | splat(FRINGE));
+            let bonus = select_ge(sub(like, fit), unique, fringe, splat(NEVER_SURE));
+            let bonus = select_ge(most_fit, fit, bonus, splat(NEVER_SURE));
+            store(&mut worth.bonus, 4 * i, bonus);
+            store(&mut worth.blank, 4 * i, select_ge(blank_to, strength, u32::MAX, 0));
+            (before, here) = (here, next);
         }
         worth
+    }
+}
+
+/// The means of three rows of the `i`-th four cells.
+#[inline(always)]
+fn mean_down(rows: &[Fours<'_>; 3], i: usize) -> u32 {
+    let [above, here, below] = rows.each_ref().map(|row| row.at(i));
+    halved_sum(halved_sum(above, below), here)
+}
+
+/// Stores four cells from `first` on, as many as there is room for.
+#[inline(always)]
+fn store(row: &mut [u8], first: usize, word: u32) {
+    let bytes = word.to_le_bytes();
+    if let Some(four) = row.get_mut(first..).and_then(|rest| rest.first_chunk_mut::<4>()) {
+        *four = bytes;
+    } else {
+        row.iter_mut().skip(first).zip(bytes).for_each(|(to, byte)| *to = byte);
     }
 }

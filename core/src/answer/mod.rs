@@ -9,3 +9,4 @@ pub mod disparity;
 pub(crate) mod evidence;
 pub(crate) mod linkage;
 pub(crate) mod median;
+pub(crate) mod repetition;

@@ -25,6 +25,7 @@ pub(crate) use x86_64::*;
 #[cfg(haarline_sse2)]
 use x86_64_rows::{gradient_across_fours, gradient_down_fours};
 
+pub(crate) mod evidence_rows;
 pub(crate) mod rows;
 
 /// One in each lane.

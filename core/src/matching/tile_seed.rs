@@ -16,10 +16,6 @@ use crate::lanes::{ONES, greatest, max, select_ge};
 
 /// Marks a tile without a seed on that side.
 const NONE: u16 = u16::MAX;
-/// Marks in [`TileSeeds::rivals`] a contour that has its like beside it.
-pub(crate) const ANY: u16 = u16::MAX - 1;
-/// How far apart two contours are that may be like ones, px: not one edge seen twice.
-const LIKE_APART: core::ops::RangeInclusive<usize> = 6..=40;
 /// Marks a contour without a partner: a row has at most 160.
 const NOBODY: u32 = u32::MAX;
 /// Percent of the least cost by which the second least must exceed it, as `second * 5 > best * UNIQUENESS`.
@@ -53,18 +49,11 @@ pub(crate) struct TileSeeds<const WORDS: usize> {
     len: [usize; 2],
     /// Label of the last seed at or before a tile, and of the first at or after it.
     nearest: [[u16; 2]; WORDS],
-    /// See [`Self::rivals`]; of two rows of tiles each.
-    rivals: [[[u16; 2]; WORDS]; 2],
 }
 
 impl<const WORDS: usize> TileSeeds<WORDS> {
     pub(crate) const fn new() -> Self {
-        Self {
-            contours: [Contour { place: 0, partner: 0 }; WORDS],
-            len: [0; 2],
-            nearest: [[NONE; 2]; WORDS],
-            rivals: [[[NONE; 2]; WORDS]; 2],
-        }
+        Self { contours: [Contour { place: 0, partner: 0 }; WORDS], len: [0; 2], nearest: [[NONE; 2]; WORDS] }
     }
 
     /// Finds the contours of a row of tiles in the smoothed rows: those that rise on even rows of tiles, those that fall on odd.
@@ -98,16 +87,12 @@ impl<const WORDS: usize> TileSeeds<WORDS> {
     /// A left contour takes the right one of the least cost, if no second one comes near and if it is itself the cheapest for
     /// that one.
     #[inline(never)]
-    pub(crate) fn pair(&mut self, config: &Config, tile_row: u32, [left, right]: [&[Row<WORDS>; 4]; 2], tiles: usize) {
+    pub(crate) fn pair(&mut self, config: &Config, [left, right]: [&[Row<WORDS>; 4]; 2], tiles: usize) {
         let least = i32::from(config.min_disparity);
         let most = least + i32::from(config.num_disparities);
         let (left_rows, right_rows) = (middle(left), middle(right));
         let (contours, candidates) = self.contours.split_at_mut(WORDS / 2);
         let (contours, candidates) = (&mut contours[..self.len[0]], &mut candidates[..self.len[1]]);
-        let half = (tile_row % 2) as usize * (WORDS / 2);
-        let Some(rivals) = self.rivals[(tile_row / 2 % 2) as usize].get_mut(half..half + tiles) else { return };
-        rivals.fill([NONE; 2]);
-        let mut costs = [u32::MAX; WORDS];
         let mut start = 0;
         for (i, contour) in (0..).zip(contours.iter_mut()) {
             // The contours from this column on, as places.
@@ -132,34 +117,6 @@ impl<const WORDS: usize> TileSeeds<WORDS> {
             } else {
                 NOBODY
             };
-            let label = |key: u32| match candidates.get((key & 0xff) as usize) {
-                Some(candidate) if key != u32::MAX => (column - candidate.column() as i32 - least) as u16,
-                _ => NONE,
-            };
-            if let Some(rivals) = rivals.get_mut(contour.column() / 8) {
-                // A second one that costs hardly more is as good, unless it is the same edge again.
-                let [first, rival] = [best, second].map(label);
-                let is_alone = second == u32::MAX || first.abs_diff(rival) <= 2 || is_clear(cost, other);
-                *rivals = [first, if is_alone { first } else { rival }];
-                costs[i as usize] = cost;
-            }
-        }
-        // A contour that looks like the next one of its kind in the same row.
-        for (i, pair) in contours.windows(2).enumerate() {
-            let [a, b] = [pair[0], pair[1]];
-            let is_like = 2 * a.strength() <= 3 * b.strength() && 2 * b.strength() <= 3 * a.strength();
-            if !is_like || !LIKE_APART.contains(&(b.column() - a.column())) {
-                continue;
-            }
-            let difference = Window::of(left_rows, a.column()).sad(Window::of(left_rows, b.column()));
-            for (cost, contour) in costs[i..].iter().zip([a, b]) {
-                if *cost != u32::MAX
-                    && !is_clear(*cost, difference)
-                    && let Some(rivals) = rivals.get_mut(contour.column() / 8)
-                {
-                    *rivals = [ANY; 2];
-                }
-            }
         }
         let nearest = &mut self.nearest[..tiles];
         nearest.fill([NONE; 2]);
@@ -185,11 +142,9 @@ impl<const WORDS: usize> TileSeeds<WORDS> {
         }
     }
 
-    /// Of each tile's contour the labels of the two best partners; twice the best where it is clearly better, and
-    /// [`NONE`] where there is no contour. Those of the newest four rows of tiles are kept.
-    pub(crate) fn rivals(&self, tile_row: u32, tiles: usize) -> &[[u16; 2]] {
-        let half = (tile_row % 2) as usize * (WORDS / 2);
-        &self.rivals[(tile_row / 2 % 2) as usize][half..half + tiles]
+    /// Column and strength of each contour of the left view that was found last, left to right.
+    pub(crate) fn left_contours(&self) -> impl Iterator<Item = (u32, u32)> + Clone {
+        self.contours[..self.len[0]].iter().map(|contour| (contour.place >> 16, contour.strength()))
     }
 
     /// Puts other seeds in the place of those of the contours.
@@ -240,11 +195,6 @@ fn find<const WORDS: usize, const ROWS: usize, const FALLING: bool>(
         column += 8;
     });
     len
-}
-
-/// Whether a cost is clearly more than the least one.
-const fn is_clear(least: u32, other: u32) -> bool {
-    100 * other >= 110 * (least + 12)
 }
 
 /// The two cheapest partners of a left contour, cost and place in one number, `u32::MAX` where there is none; the candidates

@@ -8,6 +8,7 @@
 
 use crate::answer::answer_row::{AnswerRow, Sources};
 use crate::answer::evidence::{Evidence, Floor, Worth};
+use crate::answer::repetition::Repetition;
 use crate::front_end::camera_view::{CameraView, FeatureRows, TILE_ROWS, words_for};
 use crate::front_end::exposure::{Exposure, Gain};
 use crate::front_end::noise::{Noise, NoiseHistogram, SmoothingLevel};
@@ -57,6 +58,7 @@ pub struct Tiled<M: Matching, const BLOCKS: usize, C = Untimed> {
     seeds: TileSeeds<BLOCKS>,
     paths: M::Paths<BLOCKS>,
     cells: M::Cells<BLOCKS>,
+    repetition: Repetition,
     evidence: Evidence<BLOCKS>,
     answer: AnswerRow<BLOCKS>,
     sums: FrameSums,
@@ -117,6 +119,7 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> Tiled<M, BLOCKS, C> {
             seeds: TileSeeds::new(),
             paths: M::Paths::EMPTY,
             cells: M::Cells::EMPTY,
+            repetition: Repetition::NONE,
             evidence: Evidence::EMPTY,
             answer: AnswerRow::EMPTY,
             sums: FrameSums::default(),
@@ -215,7 +218,8 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> Tiled<M, BLOCKS, C> {
         self.clock.enter(Stage::Seeds);
         let tiles = self.tiles();
         let views = [self.left.tiles(tile_row), self.right.tiles(tile_row)];
-        self.seeds.pair(&self.config, tile_row, views, tiles);
+        self.seeds.pair(&self.config, views, tiles);
+        self.repetition.observe(self.seeds.left_contours());
         let range = self.config.num_disparities;
         match self.parts.seeds {
             Seeds::Contours => {}
@@ -329,13 +333,7 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> Tiled<M, BLOCKS, C> {
         }
         self.measure_evidence(row + 1, floor);
         let cells = usize::from(self.config.width).div_ceil(4);
-        let worth = if self.parts.texture {
-            let mut worth = self.evidence.judge(row, cells, floor);
-            worth.doubt_rivals(&self.cells.row(row).label, self.seeds.rivals(row / 2, self.tiles()), cells);
-            worth
-        } else {
-            Worth::TRUSTED
-        };
+        let worth = if self.parts.texture { self.evidence.judge(row, cells, floor) } else { Worth::TRUSTED };
         let [left, right] = features_of([&self.left, &self.right], row);
         let sources = Sources {
             rows: [row.saturating_sub(1), row, row + 1].map(|row| self.cells.row(row)),
@@ -353,7 +351,7 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> Tiled<M, BLOCKS, C> {
     fn measure_evidence(&mut self, row: u32, floor: Floor) {
         let rows = features_of([&self.left, &self.right], row);
         let labels = &self.cells.row(row).label;
-        self.evidence.measure(row, &self.config, rows, labels, floor);
+        self.evidence.measure(row, &self.config, rows, labels, floor, &self.repetition);
         if FrameSums::is_sampled(row) {
             let cells = usize::from(self.config.width).div_ceil(4);
             let rows = rows.map(|view| view.map(|row| &row[..]));
@@ -475,6 +473,7 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> StereoMethod for Tiled<M, 
         self.histograms = [NoiseHistogram::new(), NoiseHistogram::new()];
         self.noise = Noise::default();
         self.sums = FrameSums::default();
+        self.repetition = Repetition::NONE;
         (self.rows, self.answered, self.delivered, self.missing) = (0, 0, 0, MissingRows::default());
     }
 

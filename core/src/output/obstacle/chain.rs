@@ -5,8 +5,10 @@
 pub(super) struct Chain {
     /// Disparity of the block, 1/16 px; 0 where there is none.
     bits: i16,
-    /// Blocks in it, the block included.
-    blocks: u8,
+    /// Weight of the blocks in it, the block included.
+    weight: u8,
+    /// Weight of the block itself.
+    own: u8,
     /// Whether it goes on from one block row to the next anywhere.
     rises: bool,
     /// The disparity that this block and one before it reach both, 1/16 px.
@@ -15,13 +17,13 @@ pub(super) struct Chain {
 
 impl Chain {
     /// No block.
-    pub(super) const NONE: Self = Self { bits: 0, blocks: 0, rises: false, confirmed: 0 };
+    pub(super) const NONE: Self = Self { bits: 0, weight: 0, own: 0, rises: false, confirmed: 0 };
 
-    /// The chain of a block of disparity `bits`, greater than 0: goes on from those beside and above it that
-    /// agree, or begins.
+    /// The chain of a block of disparity `bits`, greater than 0, and weight `own`: goes on from those beside and above it
+    /// that agree, or begins.
     #[inline]
-    pub(super) fn grow(bits: i16, left: Self, above: [Self; 3], tolerance: u8) -> Self {
-        let mut grown = Self { bits, blocks: 1, rises: false, confirmed: 0 };
+    pub(super) fn grow(bits: i16, own: u8, left: Self, above: [Self; 3], tolerance: u8) -> Self {
+        let mut grown = Self { bits, weight: own, own, rises: false, confirmed: 0 };
         grown.join(left, tolerance, left.rises);
         for chain in above {
             grown.join(chain, tolerance, true);
@@ -31,14 +33,14 @@ impl Chain {
 
     fn join(&mut self, chain: Self, tolerance: u8, rises: bool) {
         if chain.bits != 0 && chain.bits.abs_diff(self.bits) <= u16::from(tolerance) {
-            self.blocks = self.blocks.max(chain.blocks.saturating_add(1));
+            self.weight = self.weight.max(chain.weight.saturating_add(self.own));
             self.rises |= rises;
             self.confirmed = self.confirmed.max(chain.bits.min(self.bits));
         }
     }
 
-    /// Whether so many blocks agree, and not in one row only.
-    pub(super) fn is_believed(&self, agreeing_blocks: u8) -> bool {
-        self.blocks >= agreeing_blocks.max(2) && self.rises
+    /// Whether blocks of so much weight agree, and not in one row only.
+    pub(super) fn is_believed(&self, weight: u8) -> bool {
+        self.weight >= weight && self.rises
     }
 }

@@ -115,7 +115,8 @@ impl<const N: usize> Sectors<N> {
 /// What it takes to be believed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Settings {
-    /// Blocks in a chain that adjoin and agree, from two block rows at least.
+    /// Blocks in a chain that adjoin and agree, from two block rows at least. Those whose surface is sure, but not where it
+    /// ends ([`Settings::FRINGE`]), count by a half.
     pub agreeing_blocks: u8,
     /// Difference of disparity up to which two blocks agree, 1/16 px.
     pub tolerance: u8,
@@ -133,9 +134,27 @@ impl Settings {
     /// From this confidence on an answer is sure. Only sure ones make an obstacle.
     pub const SURE: u8 = 64;
 
-    /// Four sure blocks within 1 px, half a pixel of doubt.
+    /// From this confidence on an answer is sure but for where its surface ends: it lies beside a contour, where hardly
+    /// anything else is to be seen. The outline of a thing without texture is made of these.
+    pub const FRINGE: u8 = 56;
+
+    /// Five sure blocks within 1 px, half a pixel of doubt.
     pub const DEFAULT: Self =
-        Self { agreeing_blocks: 4, tolerance: 16, doubt: 8, min_confidence: Self::SURE, free_beyond_mm: 0 };
+        Self { agreeing_blocks: 5, tolerance: 16, doubt: 8, min_confidence: Self::SURE, free_beyond_mm: 0 };
+}
+
+impl Settings {
+    /// Weight of a sure block in a chain; that of a fringe is 1.
+    const SURE_WEIGHT: u8 = 2;
+
+    /// What a block of a confidence weighs in a chain; 0: nothing. If less than what is sure is asked for, nothing is less.
+    fn weight(&self, confidence: u8) -> u8 {
+        if confidence >= self.min_confidence {
+            Self::SURE_WEIGHT
+        } else {
+            u8::from(self.min_confidence == Self::SURE && confidence >= Self::FRINGE)
+        }
+    }
 }
 
 /// Why obstacles cannot be looked for.
@@ -289,20 +308,22 @@ impl<const SECTORS: usize, const BLOCKS: usize> Obstacles<SECTORS, BLOCKS> {
         let mut directions = Directions::new(lane);
         let (mut left, mut above_left) = (Chain::NONE, Chain::NONE);
         let mut report = Report { sector: None, bits: 0 };
+        let least_weight = self.settings.agreeing_blocks.max(2).saturating_mul(Settings::SURE_WEIGHT);
         for index in 0..BLOCKS {
             let Some((disparity, &confidence)) = samples.next() else { break };
             let above = self.chains.get(index).copied().unwrap_or(Chain::NONE);
             let above_right = self.chains.get(index + 1).copied().unwrap_or(Chain::NONE);
             let disparity = self.camera.rig().without_doffs(*disparity);
-            let bits = disparity.known().filter(|&bits| confidence >= self.settings.min_confidence && lane.holds(bits));
+            let weight = self.settings.weight(confidence);
+            let bits = disparity.known().filter(|&bits| weight > 0 && lane.holds(bits));
             let chain = bits.map_or(Chain::NONE, |bits| {
-                Chain::grow(bits, left, [above_left, above, above_right], self.settings.tolerance)
+                Chain::grow(bits, weight, left, [above_left, above, above_right], self.settings.tolerance)
             });
             if let Some(slot) = self.chains.get_mut(index) {
                 *slot = chain;
             }
             (left, above_left) = (chain, above);
-            if chain.is_believed(self.settings.agreeing_blocks) {
+            if chain.is_believed(least_weight) {
                 let sector = directions.sector_of(SIZE * index + Self::SAMPLE, &self.sectors);
                 if sector != report.sector {
                     self.note(lane, report);

@@ -1,0 +1,185 @@
+//! Sums of the evidence along a row of cells of 4 x 2 px: what fits, what is there, and what looks like it beside it.
+#![allow(clippy::cast_possible_truncation, reason = "sums are limited to 255 before")]
+#![expect(unsafe_code, reason = "words that begin at any byte, after one check a row")]
+
+use crate::lanes::{limited_to_byte, min, sad, sad_add};
+
+/// Sums over the cells of a row, a byte each, at most 255.
+pub(crate) struct CellSums<'a> {
+    /// Absolute differences of the left row against itself, 4 px to the right.
+    pub(crate) near: &'a mut [u8],
+    /// The same, 8 px to the right.
+    pub(crate) far: &'a mut [u8],
+    /// The same, at the distance of like contours to the right.
+    pub(crate) like: &'a mut [u8],
+    /// Absolute differences at the answer.
+    pub(crate) fit: &'a mut [u8],
+    /// Magnitudes of the left row's features.
+    pub(crate) strength: &'a mut [u8],
+}
+
+/// What the cells of a row are made of.
+pub(crate) struct CellWindows<'a> {
+    /// Its two feature rows, of either view: a word of margin, the columns, a word of margin, no more.
+    pub(crate) left: [&'a [u32]; 2],
+    pub(crate) right: [&'a [u32]; 2],
+    /// Label of each cell.
+    pub(crate) labels: &'a [u8],
+    /// The byte of the right rows that label 0 of the first cell begins at.
+    pub(crate) origin: i32,
+    /// Distance of like contours, px, at most 255.
+    pub(crate) distance: u32,
+    /// A feature that is zero, in each lane.
+    pub(crate) zero: u32,
+}
+
+impl CellWindows<'_> {
+    /// Sums up the cells. What lies beyond the margin to the right cannot be told from the cell: 255.
+    ///
+    /// # Panics
+    /// If a row has not two words more than there are cells, or a sum's row fewer bytes.
+    #[inline(never)]
+    pub(crate) fn sum(&self, sums: &mut CellSums<'_>) {
+        let cells = self.labels.len();
+        let words = cells + 2;
+        let (left, right) = (self.left, self.right);
+        assert!(cells >= 2 && left.iter().chain(&right).all(|row| row.len() == words));
+        let CellSums { near, far, like, fit, strength } = sums;
+        let (near, far, like) = (&mut near[..cells], &mut far[..cells], &mut like[..cells]);
+        let (fit, strength) = (&mut fit[..cells], &mut strength[..cells]);
+        let distance = self.distance as usize;
+        // So many cells whose window at the distance lies within the row.
+        let likes = (cells + 1).saturating_sub(distance.div_ceil(4)).min(cells);
+        let last = 4 * words - 4;
+        // Cells answer columns of the right row that move on with them.
+        let mut origin = self.origin;
+        let mut here = [left[0][1], left[1][1]];
+        let mut next = [left[0][2], left[1][2]];
+        for c in 0..cells {
+            let beyond = if c + 3 < words { [left[0][c + 3], left[1][c + 3]] } else { next };
+            let byte = ((origin - i32::from(self.labels[c])).cast_unsigned() as usize).min(last);
+            // SAFETY: `byte` and, within `likes`, the distance leave four bytes of the row.
+            let partner = unsafe { [word(right[0], byte), word(right[1], byte)] };
+            let against = |other: [u32; 2]| byte_of(sad_add(here[1], other[1], sad(here[0], other[0])));
+            near[c] = against(next);
+            far[c] = against(beyond);
+            like[c] = if c < likes {
+                let byte = 4 * (c + 1) + distance;
+                // SAFETY: see above.
+                against(unsafe { [word(left[0], byte), word(left[1], byte)] })
+            } else {
+                u8::MAX
+            };
+            fit[c] = against(partner);
+            strength[c] = against([self.zero; 2]);
+            origin += 4;
+            (here, next) = (next, beyond);
+        }
+    }
+}
+
+/// A sum, at most 255.
+#[inline(always)]
+fn byte_of(sum: u32) -> u8 {
+    limited_to_byte(sum.cast_signed()) as u8
+}
+
+/// The word that begins `byte` bytes into a row.
+///
+/// # Safety
+/// `byte + 4` must not exceed the row's length in bytes.
+#[inline(always)]
+unsafe fn word(row: &[u32], byte: usize) -> u32 {
+    debug_assert!(byte + 4 <= 4 * row.len());
+    // SAFETY: within the row, as the caller promises.
+    u32::from_le(unsafe { row.as_ptr().cast::<u8>().add(byte).cast::<u32>().read_unaligned() })
+}
+
+/// Of each four cells, from `first` on: the least of what they have in a row and of what the cells `steps` before have;
+/// outside of the row lies nothing: 255.
+#[inline(always)]
+pub(crate) fn least_with_before(row: &[u8], first: usize, steps: usize) -> u32 {
+    let here = match row.get(first..).and_then(|rest| rest.first_chunk()) {
+        Some(&four) => u32::from_le_bytes(four),
+        None => bytes_from(row, first, 0),
+    };
+    let before = match first.checked_sub(steps).and_then(|from| row.get(from..)).and_then(|rest| rest.first_chunk()) {
+        Some(&four) => u32::from_le_bytes(four),
+        None => bytes_from(row, first, steps),
+    };
+    min(here, before)
+}
+
+/// Four bytes, `steps` before `first` and on, one by one.
+#[cold]
+fn bytes_from(row: &[u8], first: usize, steps: usize) -> u32 {
+    let at = |i: usize| (first + i).checked_sub(steps).and_then(|from| row.get(from)).copied();
+    u32::from_le_bytes([0, 1, 2, 3].map(|i| at(i).unwrap_or(u8::MAX)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A byte of the row: any number from 0 to 31.
+    fn feature(at: usize) -> u8 {
+        ((at as u32).wrapping_mul(0x9e37_79b1) >> 27) as u8
+    }
+
+    fn row(seed: usize, words: usize) -> [u32; 14] {
+        let mut row = [0; 14];
+        for (i, word) in row.iter_mut().enumerate().take(words) {
+            *word = u32::from_le_bytes([0, 1, 2, 3].map(|lane| feature(1000 * seed + 4 * i + lane)));
+        }
+        row
+    }
+
+    #[test]
+    fn sums_are_those_of_their_windows() {
+        const CELLS: usize = 11;
+        let rows = [0, 1, 2, 3].map(|seed| row(seed, CELLS + 2));
+        let labels: [u8; CELLS] = core::array::from_fn(|c| (5 * c % 17) as u8);
+        for distance in [6, 8, 21, 46, 255] {
+            let [near, far, like, fit, strength] = &mut [[0; CELLS]; 5];
+            let windows = CellWindows {
+                left: [&rows[0][..CELLS + 2], &rows[1][..CELLS + 2]],
+                right: [&rows[2][..CELLS + 2], &rows[3][..CELLS + 2]],
+                labels: &labels,
+                origin: 4,
+                distance,
+                zero: u32::from_le_bytes([15; 4]),
+            };
+            windows.sum(&mut CellSums { near, far, like, fit, strength });
+            let byte = |row: usize, at: usize| i32::from(feature(1000 * row + at));
+            for c in 0..CELLS {
+                let sum = |other: &dyn Fn(usize, usize) -> i32| -> i32 {
+                    let all = (0..2).flat_map(|y| (0..4).map(move |x| (y, 4 * (c + 1) + x)));
+                    all.map(|(y, x)| (byte(y, x) - other(y, x)).abs()).sum::<i32>().min(255)
+                };
+                // The word after the last one is the last one again.
+                let right_of = |x: usize, by: usize| if x + by < 4 * (CELLS + 2) { x + by } else { x + by - 4 };
+                assert_eq!(i32::from(near[c]), sum(&|y, x| byte(y, x + 4)), "near {c}");
+                assert_eq!(i32::from(far[c]), sum(&|y, x| byte(y, right_of(x, 8))), "far {c}");
+                let is_inside = 4 * (c + 1) + distance as usize + 4 <= 4 * (CELLS + 2);
+                let wanted = if is_inside { sum(&|y, x| byte(y, x + distance as usize)) } else { 255 };
+                assert_eq!(i32::from(like[c]), wanted, "like {c} at {distance}");
+                assert_eq!(i32::from(strength[c]), sum(&|_, _| 15), "strength {c}");
+                // A window that would begin before the row or end after it is the last one.
+                let at = 4 * (c as i32 + 1) - i32::from(labels[c]);
+                if at >= 0 {
+                    let right = |y: usize, x: usize| byte(y + 2, (x as i32 - i32::from(labels[c])) as usize);
+                    assert_eq!(i32::from(fit[c]), sum(&right), "fit {c}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_least_is_that_of_two_places() {
+        let row = [9, 2, 7, 4, 5, 6, 1, 8];
+        assert_eq!(least_with_before(&row, 0, 0).to_le_bytes(), [9, 2, 7, 4]);
+        assert_eq!(least_with_before(&row, 4, 3).to_le_bytes(), [2, 6, 1, 5]);
+        assert_eq!(least_with_before(&row, 0, 2).to_le_bytes(), [9, 2, 7, 2]);
+        assert_eq!(least_with_before(&row, 4, 12).to_le_bytes(), [5, 6, 1, 8]);
+    }
+}
