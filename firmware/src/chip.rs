@@ -21,7 +21,7 @@ use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use embassy_sync::zerocopy_channel::Channel;
 use embassy_time::{Duration, Instant, Ticker};
 use haarline::frame_figures::FrameFigures;
-use haarline::{ConfigError, Full, Lite, Rectified, Setup, Stage, StereoMethod, blocks_for};
+use haarline::{ConfigError, Full, Lite, Rectified, Setup, Stage, StereoMethod, Untimed, blocks_for};
 use haarline_firmware::autopilot::Sightings;
 use haarline_firmware::capture::Patience;
 use haarline_firmware::h743::camera::{Camera, Pins, PortHandler};
@@ -163,7 +163,7 @@ fn start(spawner: Spawner, clock: Clock, p: Peripherals) {
     interrupt::UART4.set_priority(Priority::P6);
     let prompt = prompt::EXECUTOR.start(interrupt::UART4);
     prompt.spawn(capture_task(camera, raw_to).unwrap());
-    prompt.spawn(results_task(results_from, rows, clock).unwrap());
+    prompt.spawn(results_task(results_from, rows).unwrap());
     prompt.spawn(autopilot_task(mavlink).unwrap());
     spawner.spawn(vision_task(clock, behind_offset(clock), setup, raw_from, results_to, watchdog).unwrap());
     spawner.spawn(sensors_task([first, second], trigger).unwrap());
@@ -234,8 +234,10 @@ async fn feed(clock: Clock, mut watchdog: IndependentWatchdog<'static, IWDG1>) {
 }
 
 #[embassy_executor::task]
-async fn results_task(rows: From<ResultRows>, serial: Serial, clock: Clock) {
-    results::results(rows, serial, [settings::WIDTH, PLAN.height], clock).await;
+async fn results_task(rows: From<ResultRows>, serial: Serial) {
+    // In interrupts: its cycles are in those of the stages that it comes in.
+
+    results::results(rows, serial, [settings::WIDTH, PLAN.height], &Untimed).await;
 }
 
 #[embassy_executor::task]
@@ -281,11 +283,11 @@ async fn statistics_task(clock: Clock) {
             );
         }
         let now = Stage::ALL.map(|stage| clock.of(stage));
-        let [unpack, features, contours, seeds, blocks, agreement, consistency, output, packets]: [u64; Stage::COUNT] =
+        let [unpack, features, contours, seeds, blocks, agreement, consistency, output, _]: [u64; Stage::COUNT] =
             core::array::from_fn(|nth| now[nth] - before[nth]);
         before = now;
         defmt::info!(
-            "cycles: unpack {=u64}, features {=u64}, contours {=u64}, seeds {=u64}, blocks {=u64}, agreement {=u64}, consistency {=u64}, output {=u64}, packets {=u64}",
+            "cycles: unpack {=u64}, features {=u64}, contours {=u64}, seeds {=u64}, blocks {=u64}, agreement {=u64}, consistency {=u64}, output {=u64}",
             unpack,
             features,
             contours,
@@ -293,8 +295,7 @@ async fn statistics_task(clock: Clock) {
             blocks,
             agreement,
             consistency,
-            output,
-            packets
+            output
         );
         let (slept_before, told_before) = (slept, told);
         (slept, told) = (idle::slept_us(), Instant::now());

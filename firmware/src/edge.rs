@@ -1,7 +1,7 @@
 //! Where rows come from and where results go: the two edges in which boards differ.
 #![allow(async_fn_in_trait, reason = "one executor, nothing of it goes to another thread")]
 
-use haarline::{Stage, StageClock};
+use haarline::{Stage, StageClock, Untimed};
 
 /// What a source of rows tells.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -51,6 +51,14 @@ pub trait WorkClock: StageClock {
 
     /// Begins a stage, of none if it is `None`, within another; which one that was, to go back to.
     fn swap(&self, stage: Option<Stage>) -> Option<Stage>;
+}
+
+impl WorkClock for Untimed {
+    fn rest(&self, _: Work) {}
+
+    fn swap(&self, _: Option<Stage>) -> Option<Stage> {
+        None
+    }
 }
 
 /// What was worked on.

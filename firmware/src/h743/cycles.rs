@@ -69,8 +69,7 @@ impl WorkClock for CycleClock {
 
     fn swap(&self, stage: Option<Stage>) -> Option<Stage> {
         let before = Stage::ALL.get(self.current.get()).copied();
-        // An interrupt may come in between: what it does goes to the one or the other.
-        critical_section::with(|_| self.go_to(stage.map_or(REST, Stage::index)));
+        self.go_to(stage.map_or(REST, Stage::index));
         before
     }
 }
