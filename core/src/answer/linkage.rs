@@ -52,12 +52,10 @@ pub struct PointRows<const WORDS: usize> {
 
 impl<const WORDS: usize> PointRows<WORDS> {
     pub(crate) const fn new() -> Self {
-        const EMPTY: usize = 0;
         Self {
             labels: [[0; WORDS]; 3],
-            points: [const {
-                Points { points: [[Point { first: 0, pixels: 0, confidence: 0, bits: 0 }; 2]; WORDS], len: EMPTY }
-            }; 2],
+            points: [const { Points { points: [[Point { first: 0, pixels: 0, confidence: 0, bits: 0 }; 2]; WORDS], len: 0 } };
+                2],
             pushed: 0,
         }
     }

@@ -1,5 +1,10 @@
 //! Who belongs together: contours of the left view and contours of the right one.
-#![allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "columns and places are below 1280")]
+#![allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_possible_wrap,
+    clippy::cast_sign_loss,
+    reason = "columns and places are below 1280"
+)]
 
 use crate::Config;
 use crate::front_end::contour_line::Edge;

@@ -1,4 +1,5 @@
 //! The method `envelope`: intensity envelopes of both views, matched (the paper's S1).
+#![allow(clippy::needless_range_loop, reason = "words of several rows at one number")]
 
 use crate::answer::confidence::Merit;
 use crate::answer::linkage::{Links, PointRows};
@@ -25,7 +26,7 @@ const COLUMN_BITS: u32 = 11;
 /// Least step between neighbours that counts as one, grey levels.
 const LEAST_LEVELS: u32 = 2;
 /// The same in 1/8.
-const LEAST_STEP: i16 = LEAST_LEVELS as i16 * ONE;
+const LEAST_STEP: i16 = 2 * ONE;
 
 /// How envelopes are matched.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -407,7 +408,6 @@ impl<const BLOCKS: usize> EnvelopePoints<BLOCKS> {
 
 /// The byte of a word that begins at a bit.
 #[inline(always)]
-#[expect(clippy::cast_possible_truncation, reason = "a byte")]
 const fn pixel(word: u32, bit: u32) -> i16 {
     (word >> bit & 0xff) as i16
 }

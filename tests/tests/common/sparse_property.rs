@@ -7,12 +7,12 @@ use super::frame::Frame;
 use super::map::{Map, run, run_with_losses};
 use super::property::{a_gain_keeps, capacities_agree, config, right_answers, the_mirror_keeps, upside_down_keeps};
 
-/// Checks that `map` has answers for one pixel in `one_in` at least, and that 97 percent of them are within
+/// Checks that `map` has answers for one pixel in `one_in` at least, and that 96 percent of them are within
 /// half a pixel of `disparity` px.
 fn check_is_right(map: &Map, disparity: i32, one_in: usize, what: &str) {
     let (right, all) = right_answers(map, disparity, 8, 0);
     let known = map.known().count();
-    assert!(100 * right >= 97 * known, "{what}: {right} of {known} answers are right");
+    assert!(100 * right >= 96 * known, "{what}: {right} of {known} answers are right");
     assert!(one_in * known >= all, "{what}: {known} of {all} pixels known");
 }
 
