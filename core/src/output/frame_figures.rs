@@ -128,7 +128,7 @@ impl FrameSums {
 
     /// Whether a row of cells is looked at.
     pub(crate) const fn is_sampled(row: u32) -> bool {
-        row % SAMPLING == 0
+        row.is_multiple_of(SAMPLING)
     }
 
     /// Takes a row of cells.
