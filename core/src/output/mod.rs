@@ -1,6 +1,7 @@
 //! What becomes of a row of disparities: depth by the geometry of the `rig`, the nearest `obstacle` in every
-//! direction, a `packet` for a wire; `fill` guesses what is unknown.
+//! direction, a `packet` for a wire; `fill` guesses what is unknown, a `correction` takes away what lenses leave.
 
+pub mod correction;
 pub mod fill;
 pub mod obstacle;
 #[cfg(feature = "packet")]
