@@ -49,6 +49,8 @@ pub enum ConfigError {
     },
     /// The column offset must be -128 to 128 px.
     ColumnOffset,
+    /// The lens tables are those of views of another size.
+    LensSize,
     /// Rectification needs more rows than its ring holds.
     RingRows {
         /// Rows of both views that must wait.
@@ -83,6 +85,7 @@ impl fmt::Display for ConfigError {
             Self::TemplateWidth => f.write_str("the width of a template must be odd, 3 to 9 px"),
             Self::RowOffset { max_rows } => write!(f, "the row offset must be -{max_rows} to {max_rows} rows"),
             Self::ColumnOffset => f.write_str("the column offset must be -128 to 128 px"),
+            Self::LensSize => f.write_str("the lens tables are those of views of another size"),
             Self::RingRows { needed, rows } => {
                 write!(f, "rectification needs {needed} rows of both views, and its ring holds {rows}")
             }

@@ -73,10 +73,11 @@ pub use method::tile_pipeline;
 pub use method::{contour_stereo, envelope, full, lite, parts, stereo, wavelet_block};
 #[cfg(feature = "packet")]
 pub use output::packet;
-pub use output::{fill, frame_figures, obstacle, rig};
+pub use output::{correction, fill, frame_figures, obstacle, rig};
 
 pub use config::Config;
 pub use contour_stereo::{ContourSettings, ContourStereo};
+pub use correction::Correction;
 pub use counters::Counters;
 pub use disparity::{Disparity, DisparityRow};
 pub use envelope::{EnvelopeSettings, EnvelopeStereo};
@@ -87,7 +88,7 @@ pub use lite::Lite;
 pub use obstacle::Obstacles;
 pub use parts::{Parts, Seeds};
 pub use reading::Reading;
-pub use rectify::{Offset, Paired, Ramp, Rectified, RectifiedRow, Rectifier};
+pub use rectify::{LensTable, Offset, Paired, Ramp, Rectification, Rectified, RectifiedRow, Rectifier};
 pub use rig::{Depth, Rig};
 pub use scales::Scales;
 pub use scanline::ScanlinePair;

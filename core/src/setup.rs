@@ -1,7 +1,7 @@
 //! All that a program must know of its cameras, in integers: what a rig description comes down to.
 
 use crate::output::obstacle::{Mounting, Sectors};
-use crate::{Config, Ramp, Rig, Wiring};
+use crate::{Config, Rectification, Rig, Wiring};
 
 /// A rig as the chip sees it. `SECTORS` is the capacity for bearing sectors.
 ///
@@ -15,10 +15,8 @@ pub struct Setup<const SECTORS: usize> {
     pub height: u16,
     /// How the cameras share the port.
     pub wiring: Wiring,
-    /// Where the right view has the left one's rows.
-    pub ramp: Ramp,
-    /// Whole columns by which the right view shows everything too far right.
-    pub columns: i16,
+    /// What is put right of the views and of disparities.
+    pub rectification: Rectification,
     /// Focal length and baseline.
     pub rig: Rig,
     /// How the cameras stand over the ground, and what is in the way.

@@ -188,7 +188,7 @@ fn method(clock: Clock) -> Result<&'static mut dyn StereoMethod, ConfigError> {
 
 /// Builds it behind rectification.
 fn behind_offset(clock: Clock) -> &'static mut Behind {
-    match method(clock).and_then(|method| Rectified::new(method, PLAN.height, PLAN.ramp, PLAN.columns)) {
+    match method(clock).and_then(|method| Rectified::new(method, PLAN.height, PLAN.rectification)) {
         Ok(behind) => BEHIND.init(behind),
         Err(error) => defmt::panic!("the rig: {}", defmt::Display2Format(&error)),
     }

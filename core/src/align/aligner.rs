@@ -6,7 +6,7 @@ use super::estimate::Estimate;
 use super::gradient::{BESIDE, Gradients};
 use super::line::Line;
 use super::order::Disparities;
-use crate::{Config, ConfigError, Ramp, RectifiedRow, Rectifier, RowError, ScanlinePair};
+use crate::{Config, ConfigError, Ramp, Rectification, RectifiedRow, Rectifier, RowError, ScanlinePair};
 
 /// What a pass looks for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -113,7 +113,7 @@ impl<const ROWS: usize, const WIDTH: usize> Aligner<ROWS, WIDTH> {
             return Err(ConfigError::Width);
         }
         let mut aligner =
-            Self { rectifier: Rectifier::new(settings.size, Ramp::default(), 0)?, bench: Bench::new(settings) };
+            Self { rectifier: Rectifier::new(settings.size, Rectification::default())?, bench: Bench::new(settings) };
         aligner.bench.start_pass();
         Ok(aligner)
     }
@@ -150,7 +150,7 @@ impl<const ROWS: usize, const WIDTH: usize> Aligner<ROWS, WIDTH> {
     pub fn end_pass(&mut self) {
         self.bench.end_pass();
         let ramp = self.bench.estimate.ramp;
-        match Rectifier::new(self.bench.settings.size, ramp, 0) {
+        match Rectifier::new(self.bench.settings.size, ramp.into()) {
             Ok(rectifier) => self.rectifier = rectifier,
             // Such an estimate is out of range, whatever the passes to come find.
             Err(_) => self.bench.pass = PASSES.len(),

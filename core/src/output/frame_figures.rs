@@ -278,7 +278,7 @@ mod tests {
     #[test]
     fn the_same_view_is_told_behind_rectification_too() {
         let (full, _) = methods();
-        let mut behind = Rectified::<_, 8, { WIDTH as usize }>::new(full, 60, Ramp::whole(2), 0).unwrap();
+        let mut behind = Rectified::<_, 8, { WIDTH as usize }>::new(full, 60, Ramp::whole(2).into()).unwrap();
         let left = |x, y| texture(1, x + 40, y + 2);
         assert_eq!(figures(&mut behind, left, left).input, Input::SameView);
         assert_eq!(figures(&mut behind, left, |x, y| texture(1, x + 48, y)).input, Input::Ok);

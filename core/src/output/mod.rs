@@ -1,6 +1,8 @@
 //! What becomes of a row of disparities: depth by the geometry of the `rig`, the nearest `obstacle` in every
-//! direction, a `packet` for a wire; `fill` guesses what is unknown. `frame_figures` tells what all of it is worth.
+//! direction, a `packet` for a wire; `fill` guesses what is unknown, a `correction` takes away what lenses leave.
+//! `frame_figures` tells what all of it is worth.
 
+pub mod correction;
 pub mod fill;
 pub mod frame_figures;
 pub mod obstacle;

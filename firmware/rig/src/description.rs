@@ -3,10 +3,10 @@
 use haarline::obstacle::MAX_SECTORS;
 use haarline::setup::Reach;
 use haarline::wiring::{First, Kind, Skew};
-use haarline::{Config, Ramp, Rig, Setup, Wiring};
+use haarline::{Config, Ramp, Rectification, Rig, Setup, Wiring};
 
 use crate::field::Values;
-use crate::{Plan, RigError};
+use crate::{CameraModel, Lens, Plan, RigError};
 
 /// Widest view, degrees: beyond, no lens is rectified to a plane.
 const MAX_VIEW_DEG: f64 = 150.0;
@@ -54,6 +54,10 @@ pub struct Description {
     pub lowest_mm: i32,
     /// Greatest height over the ground that is in the way, mm.
     pub highest_mm: i32,
+    /// The left and the right camera before rectification, where their lenses are known.
+    pub cameras: Option<[CameraModel; 2]>,
+    /// What is added to disparities, px: rows of nodes at even distances; none or as many in each.
+    pub correction: Vec<Vec<f64>>,
     /// Angle of a sector, degrees.
     pub sector_deg: u8,
 }
@@ -92,6 +96,8 @@ impl Description {
             pitch_deg: values.real("pitch_deg"),
             lowest_mm: values.whole("lowest_mm"),
             highest_mm: values.whole("highest_mm"),
+            cameras: cameras(&values)?,
+            correction: values.rows("disparity_correction"),
             sector_deg: values.whole("sector_deg"),
         };
         description.check()?;
@@ -121,6 +127,14 @@ impl Description {
             return refuse(format!(
                 "min_disparity = {min}, num_disparities = {}: {min} to {max} px holds no finite distance; must reach 1 px",
                 self.num_disparities
+            ));
+        }
+        if let Some(camera) =
+            self.cameras.iter().flatten().find(|camera| camera.intrinsics[..2].iter().any(|&f| f < 10.0))
+        {
+            let [fx, fy, ..] = camera.intrinsics;
+            return refuse(format!(
+                "left_camera, right_camera: focal lengths of {fx} and {fy} px; must be 10 px or more"
             ));
         }
         let view = self.view_deg()[0];
@@ -156,6 +170,18 @@ impl Description {
             // A rolled view is sheared by rows alone, in a column of which it is higher by the cosine.
             scale_q16: fixed_q16((1.0 + self.scale_percent / 100.0) / roll.cos() - 1.0),
         }
+    }
+
+    /// What is put right of the views and of disparities. Offsets, roll and scale are part of the lens tables where there are some.
+    ///
+    /// # Errors
+    /// As [`Description::lens_nodes`].
+    pub fn rectification(&self) -> Result<Rectification, RigError> {
+        let (lenses, correction) = (self.lens_tables()?, self.correction_table());
+        Ok(match lenses {
+            Some(_) => Rectification { lenses, correction, ..Rectification::default() },
+            None => Rectification { ramp: self.ramp(), columns: self.column_offset, lenses, correction },
+        })
     }
 
     /// The middle of the left camera's view, px: its axis where it is known, else the middle of the picture.
@@ -210,6 +236,7 @@ impl Description {
         self.check()?;
         let rig = Rig::new(steps(self.focal_px, 256.0), steps(self.baseline_mm, 1000.0));
         let rig = rig.ok_or_else(|| RigError::from("focal_px, baseline_mm: must be positive".to_owned()))?;
+        let rectification = self.rectification()?;
         let is_known = self.principal.iter().any(Option::is_some);
         let rig = rig.with_axes(is_known.then(|| self.middle().map(fixed_q8)), fixed_q8(self.doffs));
         Ok(Plan {
@@ -218,8 +245,8 @@ impl Description {
             wiring: self.wiring,
             frame_rate_hz: self.frame_rate_hz,
             exposure_lines: (self.exposure_lines > 0).then_some(self.exposure_lines),
-            ramp: self.ramp(),
-            columns: self.column_offset,
+            rectification,
+            ring_rows: rectification.rows_needed([self.width, self.height]),
             rig,
             camera_height_mm: self.camera_height_mm,
             pitch_deg: narrow(self.pitch_deg),
@@ -243,6 +270,39 @@ impl Description {
         let cm = |mm: f64| to_u16((mm / 10.0).clamp(1.0, MAX_CM));
         let [nearest, farthest] = self.depths_mm().map(cm);
         Reach { sector_deg: self.sector_deg, first_deg: self.first_deg(), nearest_cm: nearest, farthest_cm: farthest }
+    }
+}
+
+/// Both cameras before rectification, if they are told.
+fn cameras(values: &Values) -> Result<Option<[CameraModel; 2]>, RigError> {
+    let camera = |side: &str| -> Result<Option<CameraModel>, RigError> {
+        let list = |what: &str| values.list(&format!("{side}_{what}"));
+        let (Some(intrinsics), bent, turn) = (list("camera"), list("lens"), list("turn")) else {
+            return match list("lens").or(list("turn")) {
+                Some(_) => Err(format!("{side}_camera is missing: its lens and turn are told").into()),
+                None => Ok(None),
+            };
+        };
+        let model = values.word("lens");
+        let bent = bent.unwrap_or_default();
+        let mut lens = [0.0; 8];
+        lens.iter_mut().zip(&bent).for_each(|(place, &value)| *place = value);
+        let [k1, k2, k3, k4, ..] = lens;
+        if model == "equidistant" && bent.len() != 4 {
+            return Err(format!("{side}_lens: has {} numbers; lens = \"equidistant\" has 4", bent.len()).into());
+        }
+        let lens = if model == "equidistant" { Lens::Equidistant([k1, k2, k3, k4]) } else { Lens::Radial(lens) };
+        let first = |values: Vec<f64>| values.try_into().unwrap_or([0.0; 3]);
+        let intrinsics = intrinsics.try_into().unwrap_or([0.0; 4]);
+        Ok(Some(CameraModel { intrinsics, lens, turn: turn.map_or([0.0; 3], first) }))
+    };
+    match (camera("left")?, camera("right")?) {
+        (Some(left), Some(right)) => Ok(Some([left, right])),
+        (None, None) => Ok(None),
+        (left, _) => {
+            let missing = if left.is_none() { "left_camera" } else { "right_camera" };
+            Err(format!("{missing} is missing: lenses are told of both cameras or of none").into())
+        }
     }
 }
 
@@ -300,6 +360,21 @@ mod tests {
     }
 
     #[test]
+    fn lenses_are_told_of_both_cameras_or_of_none() {
+        let camera = ("left_camera", "[200.0, 200.0, 160.0, 120.0]");
+        let error = parse(&[camera]).unwrap_err();
+        assert_eq!(error, "right_camera is missing: lenses are told of both cameras or of none");
+        let error = parse(&[("right_turn", "[0.0, 0.0, 0.0]")]).unwrap_err();
+        assert_eq!(error, "right_camera is missing: its lens and turn are told");
+        let both = [camera, ("right_camera", "[200.0, 200.0, 160.0, 120.0]")];
+        assert_eq!(parse(&both).unwrap().cameras.unwrap()[1].lens, Lens::Radial([0.0; 8]));
+        let error = parse(&[both[0], both[1], ("lens", "\"equidistant\"")]).unwrap_err();
+        assert_eq!(error, "left_lens: has 0 numbers; lens = \"equidistant\" has 4");
+        let corrected = parse(&[("disparity_correction", "[[0.5, -0.25, 1]]")]).unwrap();
+        assert_eq!(corrected.correction_table().unwrap().nodes(), [128, -64, 256]);
+    }
+
+    #[test]
     fn every_field_out_of_its_range_is_told_with_range_and_unit() {
         let cases = [
             ("wiring", "\"frame\"", "one of \"pixel\", \"line\", \"side-by-side\", \"nibble\", \"pairs16\""),
@@ -324,6 +399,18 @@ mod tests {
             ("pitch_deg", "61", "-60 to 60 degrees"),
             ("lowest_mm", "\"0\"", "a whole number, -10000 to 10000 mm"),
             ("highest_mm", "10001", "a whole number, -10000 to 10000 mm"),
+            ("lens", "\"fisheye62\"", "one of \"radtan\", \"equidistant\""),
+            ("left_camera", "[1.0, 2.0]", "[4 numbers], each -100000 to 100000 px"),
+            ("left_lens", "[0.1]", "[0, 2, 4, 5, 8 numbers], each -1000000 to 1000000"),
+            ("left_turn", "[0.0, nan, 0.0]", "[3 numbers], each -2 to 2 radians"),
+            ("right_camera", "3", "[4 numbers], each -100000 to 100000 px"),
+            ("right_lens", "[10000000.0, 0.0]", "[0, 2, 4, 5, 8 numbers], each -1000000 to 1000000"),
+            ("right_turn", "[]", "[3 numbers], each -2 to 2 radians"),
+            (
+                "disparity_correction",
+                "[[0.0, 1.0], [2.0]]",
+                "[[...], ...], 1 to 25 rows of 2 to 33 numbers each, -64 to 64 px",
+            ),
             ("sector_deg", "0", "a whole number, 1 to 15 degrees"),
         ];
         assert_eq!(cases.len(), crate::field::FIELDS.len());

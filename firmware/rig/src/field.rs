@@ -1,5 +1,6 @@
 //! The fields of a description: name, meaning, range and unit of each, in one place.
 
+use haarline::Correction;
 use toml::{Table, Value};
 
 use crate::RigError;
@@ -13,6 +14,10 @@ pub(crate) enum Range {
     Whole(i64, i64),
     /// A number between two, these included.
     Real(f64, f64),
+    /// So many numbers, one of these counts, each between two.
+    List(&'static [usize], f64, f64),
+    /// Rows of the same number of numbers: 1 to 25 of 2 to 33.
+    Table(f64, f64),
 }
 
 /// A field of a description.
@@ -39,11 +44,11 @@ const fn field(
     Field { name, about, range, unit, example, optional }
 }
 
-use Range::{Real, Whole, Words};
+use Range::{List, Real, Table as Rows, Whole, Words};
 
 /// All of them, in the order of the template.
 #[rustfmt::skip]
-pub(crate) const FIELDS: [Field; 23] = [
+pub(crate) const FIELDS: [Field; 31] = [
     field("wiring", "how the two cameras share the port", Words(&["pixel", "line", "side-by-side", "nibble", "pairs16"]), "", "\"pixel\"", false),
     field("first", "the camera that comes first: in time, in the left half, on the low data lines", Words(&["left", "right"]), "", "\"left\"", true),
     field("skew", "the camera whose pixels come one late; with wiring = \"pixel\" only", Words(&["none", "left", "right"]), "", "\"none\"", true),
@@ -66,6 +71,14 @@ pub(crate) const FIELDS: [Field; 23] = [
     field("pitch_deg", "where the cameras look: 0 is level, upwards is positive", Real(-60.0, 60.0), "degrees", "0.0", false),
     field("lowest_mm", "what is lower over the ground than this is no obstacle", Whole(-10_000, 10_000), "mm", "60", false),
     field("highest_mm", "what is higher over the ground than this is no obstacle", Whole(-10_000, 10_000), "mm", "500", false),
+    field("lens", "how the lenses bend: OpenCV's k1, k2, p1, p2, k3 to k6, or fisheye's k1 to k4; haarline rig import writes this and what follows", Words(&["radtan", "equidistant"]), "", "\"radtan\"", true),
+    field("left_camera", "the left camera before rectification: focal lengths and axis, fx, fy, cx, cy", List(&[4], -1e5, 1e5), "px", "", true),
+    field("left_lens", "its lens", List(&[0, 2, 4, 5, 8], -1e6, 1e6), "", "", true),
+    field("left_turn", "its rotation into the rectified view: axis times angle", List(&[3], -2.0, 2.0), "radians", "", true),
+    field("right_camera", "the right camera before rectification: focal lengths and axis, fx, fy, cx, cy", List(&[4], -1e5, 1e5), "px", "", true),
+    field("right_lens", "its lens", List(&[0, 2, 4, 5, 8], -1e6, 1e6), "", "", true),
+    field("right_turn", "its rotation into the rectified view: axis times angle", List(&[3], -2.0, 2.0), "radians", "", true),
+    field("disparity_correction", "added to disparities, by column and row: rows of nodes at even distances from border to border; haarline rig correct finds it", Rows(-64.0, 64.0), "px", "", true),
     field("sector_deg", "angle of each sector of which the nearest obstacle is told", Whole(1, 15), "degrees", "5", true),
 ];
 
@@ -76,6 +89,13 @@ impl Field {
             Words(words) => format!("one of \"{}\"", words.join("\", \"")),
             Whole(least, most) => format!("a whole number, {least} to {most} {}", self.unit),
             Real(least, most) => format!("{least} to {most} {}", self.unit),
+            List(counts, least, most) => {
+                let counts: Vec<String> = counts.iter().map(ToString::to_string).collect();
+                format!("[{} numbers], each {least} to {most} {}", counts.join(", "), self.unit).trim_end().to_owned()
+            }
+            Rows(least, most) => {
+                format!("[[...], ...], 1 to 25 rows of 2 to 33 numbers each, {least} to {most} {}", self.unit)
+            }
         }
     }
 
@@ -84,9 +104,24 @@ impl Field {
             (Words(words), Value::String(word)) => words.contains(&word.as_str()),
             (Whole(least, most), Value::Integer(value)) => (least..=most).contains(value),
             (Real(least, most), _) => number(value).is_some_and(|value| (least..=most).contains(&value)),
+            (List(counts, least, most), Value::Array(values)) => {
+                counts.contains(&values.len()) && are_between(values, least, most)
+            }
+            (Rows(least, most), Value::Array(rows)) => {
+                let columns = rows.first().and_then(Value::as_array).map_or(0, Vec::len);
+                let is_row = |row: &Value| {
+                    row.as_array().is_some_and(|row| row.len() == columns && are_between(row, least, most))
+                };
+                let [across, down] = Correction::MAX_NODES;
+                (2..=across).contains(&columns) && (1..=down).contains(&rows.len()) && rows.iter().all(is_row)
+            }
             _ => false,
         }
     }
+}
+
+fn are_between(values: &[Value], least: f64, most: f64) -> bool {
+    values.iter().all(|value| number(value).is_some_and(|value| (least..=most).contains(&value)))
 }
 
 fn number(value: &Value) -> Option<f64> {
@@ -186,6 +221,17 @@ impl Values {
 
     pub(crate) fn real(&self, name: &str) -> f64 {
         self.try_real(name).unwrap_or_default()
+    }
+
+    /// Numbers that may be missing.
+    pub(crate) fn list(&self, name: &str) -> Option<Vec<f64>> {
+        Some(self.0.get(name)?.as_array()?.iter().filter_map(number).collect())
+    }
+
+    /// Rows of numbers; none where they are missing.
+    pub(crate) fn rows(&self, name: &str) -> Vec<Vec<f64>> {
+        let rows = self.0.get(name).and_then(Value::as_array).into_iter().flatten();
+        rows.filter_map(Value::as_array).map(|row| row.iter().filter_map(number).collect()).collect()
     }
 
     /// A number that may be missing.

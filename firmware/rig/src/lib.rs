@@ -18,6 +18,8 @@ mod error;
 #[cfg(feature = "description")]
 mod field;
 #[cfg(feature = "description")]
+mod lens;
+#[cfg(feature = "description")]
 mod rust;
 
 pub use plan::Plan;
@@ -28,4 +30,5 @@ pub use {
     description::Description,
     error::RigError,
     field::{template, with_fields},
+    lens::{CameraModel, Lens},
 };

@@ -2,7 +2,7 @@
 
 use haarline::obstacle::{Mounting, Sectors};
 use haarline::setup::Reach;
-use haarline::{Config, Ramp, Rig, Setup, Wiring};
+use haarline::{Config, Rectification, Rig, Setup, Wiring};
 
 use crate::angle::{secant_q14, sin_cos_q14, tangent_q16};
 
@@ -19,10 +19,10 @@ pub struct Plan {
     pub frame_rate_hz: u16,
     /// Integration time of both cameras, lines; `None`: the first one's own control, copied to the second.
     pub exposure_lines: Option<u16>,
-    /// Where the right view has the left one's rows.
-    pub ramp: Ramp,
-    /// Whole columns by which the right view shows everything too far right.
-    pub columns: i16,
+    /// What is put right of the views and of disparities.
+    pub rectification: Rectification,
+    /// Rows of both views that it holds.
+    pub ring_rows: usize,
     /// Focal length and baseline.
     pub rig: Rig,
     /// Height of the cameras over the ground, mm.
@@ -43,10 +43,7 @@ impl Plan {
     /// Rows of both views that rectification holds: its capacity; 0 where nothing is displaced.
     #[must_use]
     pub const fn waiting_rows(&self) -> usize {
-        if self.ramp.is_straight() && self.columns == 0 {
-            return 0;
-        }
-        self.ramp.rows_needed([self.config.width, self.height])
+        self.ring_rows
     }
 
     /// What the core works with. `SECTORS` is the capacity; `None` if there are more sectors than that.
@@ -54,7 +51,7 @@ impl Plan {
     /// The angles become tangents and cosines here, by [`micromath`], on the chip as on the host.
     #[must_use]
     pub fn setup<const SECTORS: usize>(&self) -> Option<Setup<SECTORS>> {
-        let Self { config, height, wiring, ramp, columns, rig, reach, .. } = *self;
+        let Self { config, height, wiring, rectification, rig, reach, .. } = *self;
         let [sin_pitch_q14, cos_pitch_q14] = sin_cos_q14(self.pitch_deg);
         let mounting = Mounting {
             height_mm: self.camera_height_mm,
@@ -63,7 +60,7 @@ impl Plan {
             lowest_mm: self.lowest_mm,
             highest_mm: self.highest_mm,
         };
-        Some(Setup { config, height, wiring, ramp, columns, rig, mounting, sectors: self.sectors()?, reach })
+        Some(Setup { config, height, wiring, rectification, rig, mounting, sectors: self.sectors()?, reach })
     }
 
     /// Bearings of the sectors' middles, degrees clockwise from straight ahead.

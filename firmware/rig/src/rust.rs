@@ -1,5 +1,7 @@
 //! A description as a Rust constant, for firmware's `build.rs`.
 
+use haarline::Rectification;
+
 use crate::{Description, Plan, RigError};
 
 impl Description {
@@ -14,8 +16,8 @@ impl Description {
             wiring,
             frame_rate_hz,
             exposure_lines,
-            ramp,
-            columns,
+            rectification,
+            ring_rows,
             rig,
             camera_height_mm,
             pitch_deg,
@@ -24,21 +26,35 @@ impl Description {
             sectors,
             reach,
         } = self.plan()?;
+        let size = [config.width, height];
+        let Rectification { ramp, columns, .. } = rectification;
+        let lenses = self.lens_nodes()?.map_or_else(
+            || "None".to_owned(),
+            |nodes| {
+                let [left, right] = nodes.map(|nodes| format!("LensTable::new({size:?}, &{nodes:?}).unwrap()"));
+                format!("Some([{left}, {right}])")
+            },
+        );
+        let correction = match self.correction.first() {
+            Some(row) => format!("Correction::new({}, &{:?})", row.len(), self.correction_nodes()),
+            None => "None".to_owned(),
+        };
         // What derives `Debug` and has public fields prints itself as an expression, if its types are in scope.
         Ok(format!(
             "/// The rig that this program was built for.\n\
+             #[allow(unused_imports, clippy::all, clippy::pedantic, reason = \"written by a program\")]\n\
              pub const PLAN: haarline_rig::Plan = {{\n    \
              use haarline::setup::Reach;\n    \
              use haarline::wiring::{{First, Kind, Skew}};\n    \
-             use haarline::{{Config, Ramp, Rig, Wiring}};\n    \
+             use haarline::{{Config, Correction, LensTable, Ramp, Rectification, Rig, Wiring}};\n    \
              haarline_rig::Plan {{\n        \
              config: {config:?},\n        \
              height: {height},\n        \
              wiring: Wiring {{ kind: Kind::{kind:?}, first: First::{first:?}, skew: Skew::{skew:?} }},\n        \
              frame_rate_hz: {frame_rate_hz},\n        \
              exposure_lines: {exposure_lines:?},\n        \
-             ramp: {ramp:?},\n        \
-             columns: {columns},\n        \
+             rectification: Rectification {{ ramp: {ramp:?}, columns: {columns}, lenses: {lenses}, correction: {correction} }},\n        \
+             ring_rows: {ring_rows},\n        \
              rig: Rig::new({focal}, {baseline}).unwrap().with_axes({axis:?}, {doffs}),\n        \
              camera_height_mm: {camera_height_mm},\n        \
              pitch_deg: {pitch_deg:?},\n        \
@@ -69,7 +85,7 @@ mod tests {
         let (source, plan) = (description.to_rust().unwrap(), description.plan().unwrap());
         let wanted = [
             format!("config: {:?},", plan.config),
-            format!("ramp: {:?},", plan.ramp),
+            format!("ramp: {:?},", plan.rectification.ramp),
             format!("reach: {:?},", plan.reach),
             "rig: Rig::new(51200, 60000).unwrap().with_axes(None, 0),".to_owned(),
             "kind: Kind::PixelInterleaved, first: First::Left, skew: Skew::None".to_owned(),
@@ -78,6 +94,13 @@ mod tests {
             "pitch_deg: 0.0,".to_owned(),
             "sectors: 17,".to_owned(),
         ];
+        let bent = template()
+            + "left_camera = [200, 200, 160, 120]\nright_camera = [200, 200, 160, 120]\ndisparity_correction = [[0, 1]]\n";
+        let bent = Description::parse(&bent).unwrap().to_rust().unwrap();
+        assert!(
+            bent.contains("lenses: Some([LensTable::new([320, 240], &[[")
+                && bent.contains("Correction::new(2, &[0, 256])")
+        );
         for words in wanted {
             assert!(source.contains(&words), "no {words} in {source}");
         }

@@ -21,7 +21,7 @@ use crate::stereo::disparity_map::{DisparityMap, Spread};
 use crate::stereo::frame_check::FrameCheck;
 use crate::stereo::method::MethodKind;
 use crate::stereo::obstacles::{FrameObstacles, ObstacleFinder, ObstacleSummary};
-use crate::stereo::pipeline::{self, Rectification, Run};
+use crate::stereo::pipeline::{self, Run};
 use crate::{Geometry, StereoPair, input::rig_file};
 
 /// Arguments of `haarline depth`.
@@ -124,10 +124,11 @@ impl Args {
             }
             None => self.search.config(pair.width() as u16)?,
         };
-        let rectification = rig.as_ref().map_or_else(Rectification::default, Rectification::from);
+        let rectification = rig.as_ref().map(Description::rectification).transpose()?.unwrap_or_default();
         let Run { mut map, elapsed, figures } =
             pipeline::run_rectified(&mut *method.build(config)?, &rectification, &pair)?;
-        let check = FrameCheck::told(figures, &pair, &rectification, &map);
+        let (pair, rest) = pipeline::seen_views(&rectification, pair)?;
+        let check = FrameCheck::told(figures, &pair, &rest, &map);
         map.drop_below(min_confidence);
         let obstacles = rig.as_ref().map(|rig| Found::new(rig, &map, &check)).transpose()?;
         if self.fill {

@@ -29,12 +29,7 @@ use crate::twin::footage::Footage;
 use crate::twin::machine::Machine;
 use crate::twin::rows::decode;
 use crate::twin::{Report, Request, obstacles};
-use crate::{
-    DisparityMap, Frame, StereoPair,
-    input::rig_file,
-    output::pfm,
-    stereo::pipeline::{self, Rectification},
-};
+use crate::{DisparityMap, Frame, StereoPair, input::rig_file, output::pfm, stereo::pipeline};
 
 /// Bytes of results that are kept whole; of a longer run only the recording's first and last round are.
 const MOST_KEPT: u64 = 256 << 20;
@@ -311,7 +306,7 @@ impl Args {
     /// What the host makes of the recording: maps, and what the frames are worth.
     fn expected(&self, pairs: &[StereoPair], request: &Request) -> Result<Vec<(DisparityMap, Option<FrameFigures>)>> {
         let mut method = self.method.build(request.config)?;
-        let rectification = request.plan.as_ref().map_or_else(Rectification::default, Rectification::from);
+        let rectification = request.plan.as_ref().map(|plan| plan.rectification).unwrap_or_default();
         let mut run = |pair| {
             let run = pipeline::run_rectified(&mut *method, &rectification, pair)?;
             Ok((run.map, run.figures))

@@ -40,6 +40,8 @@ pub fn shrunk(rig: &Description, shrink: Shrink) -> Description {
         column_offset: whole(rig.column_offset.into()) as i16,
         principal: rig.principal.map(|at| at.map(|px| (px + 0.5) / f64::from(k) - 0.5)),
         doffs: rig.doffs / f64::from(k),
+        cameras: rig.cameras.map(|cameras| cameras.map(|camera| camera.shrunk(f64::from(k)))),
+        correction: rig.correction.iter().map(|row| row.iter().map(|px| px / f64::from(k)).collect()).collect(),
         min_disparity: min_disparity as i16,
         num_disparities: ((end + k - 1).div_euclid(k) - min_disparity) as u16,
         ..rig.clone()

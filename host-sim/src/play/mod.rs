@@ -11,7 +11,7 @@ use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread;
 
 use anyhow::{Result, ensure};
-use haarline::{Config, StereoMethod};
+use haarline::{Config, Rectification, StereoMethod};
 use haarline_rig::Description;
 
 pub use report::{FrameReport, Status, Totals};
@@ -22,7 +22,7 @@ use crate::input::{noise, rig_file};
 use crate::stereo::frame_check::FrameCheck;
 use crate::stereo::method::Method;
 use crate::stereo::obstacles::ObstacleFinder;
-use crate::stereo::pipeline::{self, Rectification};
+use crate::stereo::pipeline;
 use crate::{DisparityMap, StereoPair};
 
 /// Frames that may wait before and after the matching.
@@ -103,7 +103,7 @@ impl Player {
             Some(mm) => ObstacleFinder::with_free_beyond(rig, mm)?,
             None => ObstacleFinder::new(rig)?,
         };
-        self.rig = Some((Rectification::from(rig), finder));
+        self.rig = Some((rig.rectification()?, finder));
         Ok(self)
     }
 
@@ -162,7 +162,8 @@ impl Player {
     fn match_one(&mut self, taken: Taken, pair: StereoPair, noise: Option<f64>) -> Result<Played> {
         let rectification = self.rig.as_ref().map_or_else(Rectification::default, |(rectification, _)| *rectification);
         let mut run = pipeline::run_rectified(&mut *self.method, &rectification, &pair)?;
-        let check = FrameCheck::told(run.figures, &pair, &rectification, &run.map);
+        let (pair, rest) = pipeline::seen_views(&rectification, pair)?;
+        let check = FrameCheck::told(run.figures, &pair, &rest, &run.map);
         run.map.drop_below(self.min_confidence);
         let report = FrameReport::played(&taken, &run, noise, &check);
         let map: DisparityMap = run.map;

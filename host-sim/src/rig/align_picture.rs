@@ -1,11 +1,11 @@
 //! Both views of a frame with rows drawn through them, before and after alignment.
 
 use anyhow::Result;
-use haarline::{Config, Ramp, Rectifier, ScanlinePair};
+use haarline::Ramp;
 use image::{ExtendedColorType, Rgb, RgbImage};
 
 use crate::output;
-use crate::stereo::pipeline::RECTIFY_ROWS;
+use crate::stereo::pipeline;
 use crate::{Frame, StereoPair};
 
 /// Rows between two lines, px of the view.
@@ -15,25 +15,6 @@ const SMALL: usize = 240;
 /// Space between views, px.
 const GAP: usize = 6;
 
-/// The right view with its rows brought to those of the left one; black where it has none.
-///
-/// # Errors
-/// If the ramp is out of its range.
-pub fn rectified(pair: &StereoPair, ramp: Ramp) -> Result<Frame> {
-    let size = [pair.width() as u16, pair.height() as u16];
-    let mut rectifier = Box::new(Rectifier::<RECTIFY_ROWS, { Config::MAX_WIDTH as usize }>::new(size, ramp, 0)?);
-    let mut luma = Vec::with_capacity(pair.right.luma.len());
-    let mut take = |row: haarline::RectifiedRow<'_>| match row.pair {
-        Some(pair) => luma.extend_from_slice(pair.right),
-        None => luma.resize(luma.len() + usize::from(size[0]), 0),
-    };
-    for y in 0..pair.height() {
-        rectifier.push(ScanlinePair { left: pair.left.row(y), right: pair.right.row(y) }, &mut take)?;
-    }
-    rectifier.finish(&mut take);
-    Ok(Frame::from_luma(pair.width(), pair.height(), luma))
-}
-
 /// The picture as PNG: the views as they came above, rectified below.
 ///
 /// # Errors
@@ -42,7 +23,7 @@ pub fn encode(pair: &StereoPair, ramp: Ramp) -> Result<Vec<u8>> {
     let zoom = if pair.width() < SMALL { 2 } else { 1 };
     let (width, height) = (pair.width() * zoom, pair.height() * zoom);
     let mut picture = RgbImage::new((2 * width + GAP) as u32, (2 * height + GAP) as u32);
-    let after = rectified(pair, ramp)?;
+    let after = pipeline::rectified_views(&ramp.into(), pair)?.right;
     for (top, right) in [(0, &pair.right), (height + GAP, &after)] {
         for (left, view) in [(0, &pair.left), (width + GAP, right)] {
             draw(&mut picture, [left, top], view, zoom);

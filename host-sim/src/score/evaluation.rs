@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use anyhow::{Context, Result};
-use haarline::{Config, ConfigError, StereoMethod};
+use haarline::{Config, ConfigError, Rectification, StereoMethod};
 use rayon::prelude::*;
 
 use crate::output::colour_range::ColourRange;
@@ -18,7 +18,7 @@ use crate::score::sure::{SURE, SureScore};
 use crate::score::{MapScore, Score};
 use crate::stereo::disparity_map::DisparityMap;
 use crate::stereo::frame_check::FrameCheck;
-use crate::stereo::pipeline::{self, Rectification};
+use crate::stereo::pipeline;
 use crate::stereo::smoothing;
 use crate::{Frame, Geometry, StereoPair, output};
 

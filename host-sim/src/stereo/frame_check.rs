@@ -5,12 +5,13 @@
 //! make if nothing matched: 100 x sum |left - right| / (2 x sum |left|), over cells of 8 x 4 px of which the left view
 //! shows more than noise. Noise raises both sums, so that one limit does for all light.
 
+use haarline::Rectification;
 use haarline::frame_figures::FrameFigures;
 pub use haarline::frame_figures::{Input, Trust};
 use haarline::obstacle::Settings;
 use serde::Serialize;
 
-use super::pipeline::Rectification;
+use super::pipeline;
 use crate::input::noise;
 use crate::{DisparityMap, Frame, StereoPair};
 
@@ -182,7 +183,7 @@ fn corresponding([x, y]: [usize; 2], rig: &Rectification, map: &DisparityMap) ->
     let bits = i64::from(map.disparity[y * map.width + x].known()?);
     let px = (bits + 8).div_euclid(16);
     let column = usize::try_from(x as i64 - px + i64::from(rig.columns)).ok().filter(|&x| x < map.width)?;
-    let row = rig.right_row([column, y], [map.width, map.height])?;
+    let row = pipeline::right_row(rig, [column, y], [map.width, map.height])?;
     Some(row * map.width + column)
 }
 
@@ -291,7 +292,7 @@ mod tests {
         let lower = [vec![90; 3 * 160], right.luma[..57 * 160].to_vec()].concat();
         let pair = StereoPair { left, right: Frame::from_luma(160, 60, lower) };
         assert_eq!(check(&pair, &map).input, Input::Mismatch);
-        assert_eq!(FrameCheck::of(&pair, &Rectification { ramp: Ramp::whole(3), columns: 0 }, &map).input, Input::Ok);
+        assert_eq!(FrameCheck::of(&pair, &Rectification::from(Ramp::whole(3)), &map).input, Input::Ok);
     }
 
     #[test]

@@ -107,10 +107,10 @@ impl Request {
         if let Some(plan) = &self.plan {
             let axis_q8 = plan.rig.axis_q8([plan.config.width, plan.height]);
             arguments.extend([
-                format!("rows_q16={}", plan.ramp.rows_q16),
-                format!("roll_q16={}", plan.ramp.roll_q16),
-                format!("scale_q16={}", plan.ramp.scale_q16),
-                format!("columns={}", plan.columns),
+                format!("rows_q16={}", plan.rectification.ramp.rows_q16),
+                format!("roll_q16={}", plan.rectification.ramp.roll_q16),
+                format!("scale_q16={}", plan.rectification.ramp.scale_q16),
+                format!("columns={}", plan.rectification.columns),
                 format!("axis_x_q8={}", axis_q8[0]),
                 format!("axis_y_q8={}", axis_q8[1]),
                 format!("doffs_q8={}", plan.rig.doffs_q8()),
@@ -146,6 +146,12 @@ impl Request {
             !matches!(self.method, MethodKind::Ssd | MethodKind::Ncc),
             "--method {}: runs on the host only, the reference on the chip is block",
             self.method
+        );
+        ensure!(
+            self.plan
+                .as_ref()
+                .is_none_or(|plan| { plan.rectification.lenses.is_none() && plan.rectification.correction.is_none() }),
+            "--rig: its lens tables and its disparity_correction are not given to the emulated application: leave these fields out"
         );
         let frame = self.damaged();
         ensure!(

@@ -1,10 +1,11 @@
 //! A stereo method behind a rig that is rectified as it streams.
 
-use super::{Offset, Ramp, RectifiedRow, Rectifier};
+use super::{Offset, Rectification, RectifiedRow, Rectifier};
 use crate::frame_figures::{FrameFigures, Input};
-use crate::{Config, ConfigError, DisparityRow, RowError, ScanlinePair, StereoMethod};
+use crate::{Config, ConfigError, Correction, Disparity, DisparityRow, RowError, ScanlinePair, StereoMethod};
 
-/// A stereo method behind a pair of displaced cameras: takes the rows as they come, hands on rectified ones.
+/// A stereo method behind a rig's rectification: takes the rows as they come, hands on rectified ones, corrects the
+/// disparities.
 ///
 /// As [`Rectifier`] with the capacities `ROWS` and `WIDTH`. Rows that are missed there are missed by the method: their
 /// disparities come out unknown. A rig without displacement costs nothing: its rows are handed on as they are.
@@ -17,24 +18,27 @@ pub struct Rectified<M, const ROWS: usize, const WIDTH: usize> {
     differ: bool,
     /// Whether those of the last frame were the same image.
     were_same: bool,
+    correction: Option<Correction>,
+    corrected: [Disparity; WIDTH],
 }
 
 impl<M: StereoMethod, const ROWS: usize, const WIDTH: usize> Rectified<M, ROWS, WIDTH> {
-    /// Puts `method` behind cameras of `height` rows whose right one is displaced by `ramp` and by whole `columns`.
+    /// Puts `method` behind cameras of `height` rows that are put right by `rectification`.
     ///
     /// # Errors
     /// As [`Rectifier::new`].
-    pub fn new(method: M, height: u16, ramp: Ramp, columns: i16) -> Result<Self, ConfigError> {
+    pub fn new(method: M, height: u16, rectification: Rectification) -> Result<Self, ConfigError> {
         if usize::from(method.config().width) > WIDTH {
             return Err(ConfigError::Capacity { max_width: u16::try_from(WIDTH).unwrap_or(u16::MAX) });
         }
-        if columns.unsigned_abs() > Offset::MAX_COLUMNS.unsigned_abs() {
+        if rectification.columns.unsigned_abs() > Offset::MAX_COLUMNS.unsigned_abs() {
             return Err(ConfigError::ColumnOffset);
         }
-        let is_straight = ramp.is_straight() && columns == 0;
         let size = [method.config().width, height];
-        let rectifier = if is_straight { None } else { Some(Rectifier::new(size, ramp, columns)?) };
-        Ok(Self { method, rectifier, differ: false, were_same: false })
+        let correction = rectification.correction.map(|correction| correction.of_size(size));
+        let rectifier = if rectification.is_straight() { None } else { Some(Rectifier::new(size, rectification)?) };
+        let corrected = [Disparity::UNKNOWN; WIDTH];
+        Ok(Self { method, rectifier, differ: false, were_same: false, correction, corrected })
     }
 
     /// The method behind.
@@ -43,7 +47,7 @@ impl<M: StereoMethod, const ROWS: usize, const WIDTH: usize> Rectified<M, ROWS, 
         &self.method
     }
 
-    /// So many rows after a row came it reaches the method.
+    /// At most so many rows after a row came it reaches the method.
     #[must_use]
     pub fn waiting_rows(&self) -> usize {
         self.rectifier.as_ref().map_or(0, Rectifier::waiting_rows)
@@ -77,7 +81,8 @@ impl<M: StereoMethod, const ROWS: usize, const WIDTH: usize> StereoMethod for Re
     }
 
     fn push(&mut self, pair: ScanlinePair<'_>, sink: &mut dyn FnMut(DisparityRow<'_>)) -> Result<(), RowError> {
-        let Self { method, rectifier, differ, .. } = self;
+        let Self { method, rectifier, differ, correction, corrected, .. } = self;
+        let sink = &mut |row: DisparityRow<'_>| correct(*correction, corrected, &row, sink);
         let Some(rectifier) = rectifier else { return method.push(pair, sink) };
         *differ = *differ || pair.left != pair.right;
         let mut outcome = Ok(());
@@ -86,7 +91,8 @@ impl<M: StereoMethod, const ROWS: usize, const WIDTH: usize> StereoMethod for Re
     }
 
     fn miss(&mut self, sink: &mut dyn FnMut(DisparityRow<'_>)) {
-        let Self { method, rectifier, .. } = self;
+        let Self { method, rectifier, correction, corrected, .. } = self;
+        let sink = &mut |row: DisparityRow<'_>| correct(*correction, corrected, &row, sink);
         let Some(rectifier) = rectifier else { return method.miss(sink) };
         // Its width is the method's.
         rectifier.miss(&mut |row| {
@@ -95,7 +101,8 @@ impl<M: StereoMethod, const ROWS: usize, const WIDTH: usize> StereoMethod for Re
     }
 
     fn finish(&mut self, sink: &mut dyn FnMut(DisparityRow<'_>)) {
-        let Self { method, rectifier, differ, were_same } = self;
+        let Self { method, rectifier, differ, were_same, correction, corrected } = self;
+        let sink = &mut |row: DisparityRow<'_>| correct(*correction, corrected, &row, sink);
         if let Some(rectifier) = rectifier {
             *were_same = !core::mem::take(differ);
             rectifier.finish(&mut |row| {
@@ -110,5 +117,22 @@ impl<M: StereoMethod, const ROWS: usize, const WIDTH: usize> StereoMethod for Re
         // Moved against each other, the same images are two.
         let input = if self.were_same && figures.input != Input::NothingSeen { Input::SameView } else { figures.input };
         Some(FrameFigures { input, ..figures })
+    }
+}
+
+/// Hands a row on with its disparities corrected.
+fn correct(
+    correction: Option<Correction>,
+    room: &mut [Disparity],
+    row: &DisparityRow<'_>,
+    sink: &mut dyn FnMut(DisparityRow<'_>),
+) {
+    match (correction, room.get_mut(..row.disparity.len())) {
+        (Some(correction), Some(room)) => {
+            room.copy_from_slice(row.disparity);
+            correction.apply(row.y, room);
+            sink(DisparityRow { disparity: room, ..*row });
+        }
+        _ => sink(*row),
     }
 }

@@ -1,6 +1,9 @@
 //! The stage: rows as they come in, rectified pairs out, a bounded ring of rows in between.
 
-use super::{Offset, Ramp};
+use super::lens::{MAX_NODE_COLUMNS, Place};
+use super::lens_rows::Schedule;
+use super::ring::Ring;
+use super::{LensTable, Offset, Ramp, Rectification};
 use crate::{ConfigError, RowError, ScanlinePair};
 
 /// Fraction bits of a place.
@@ -20,22 +23,26 @@ pub struct RectifiedRow<'a> {
     pub raw: Option<ScanlinePair<'a>>,
 }
 
-/// Brings the rows of two displaced cameras together: offset, roll and scale by a [`Ramp`], and whole columns.
+/// Brings the rows of two cameras together: offset, roll and scale by a [`Ramp`] and whole columns, or full lens tables.
 ///
-/// Rows are those of the left view, which is left as it is; the right view is interpolated between two rows, with
+/// By a ramp, rows are those of the left view, which is left as it is; the right view is interpolated between two rows, with
 /// one weight for four columns. Where a corner of a row lies outside of the right view, that view's first or
 /// last row stands there; a row whose middle does is missed.
 ///
-/// `ROWS` is the capacity for the rows of both views together that wait ([`Ramp::rows_needed`]), at most 64 a
-/// view; `WIDTH` the greatest width, px. It holds `WIDTH * (ROWS + 1)` bytes. A row comes out
-/// [`Rectifier::waiting_rows`] rows after it came.
+/// By lens tables both views are interpolated between rows and columns, four columns at a time: each row comes out as soon as
+/// all that both views need of it is there. Where lenses shrink, a row may come out before the camera's row of the same
+/// number, and two with one push. What lies outside of a view shows that view's border.
+///
+/// `ROWS` is the capacity for the rows of both views together that wait ([`Rectification::rows_needed`]), at most 128 a
+/// view; `WIDTH` the greatest width, px. It holds `WIDTH * (ROWS + 2)` bytes, and 0.7 KB of a lens table's row. A row comes
+/// out at most [`Rectifier::waiting_rows`] rows after it came.
 ///
 /// # Examples
 /// ```
 /// use haarline::rectify::{Ramp, Rectifier};
 /// use haarline::ScanlinePair;
 /// let half_a_row = Ramp { rows_q16: 1 << 15, ..Ramp::default() };
-/// let mut rectifier = Rectifier::<8, 64>::new([64, 3], half_a_row, 0)?;
+/// let mut rectifier = Rectifier::<8, 64>::new([64, 3], half_a_row.into())?;
 /// let mut right = vec![];
 /// for y in [10, 20, 30] {
 ///     let pair = ScanlinePair { left: &[y; 64], right: &[y; 64] };
@@ -47,51 +54,28 @@ pub struct RectifiedRow<'a> {
 /// ```
 #[derive(Debug, Clone)]
 pub struct Rectifier<const ROWS: usize, const WIDTH: usize> {
-    size: [u16; 2],
+    pub(super) size: [u16; 2],
     ramp: Ramp,
     columns: i16,
+    pub(super) lenses: Option<[LensTable; 2]>,
     /// Rows that an answer waits, and how many of each view the ring holds.
     waits: usize,
-    left: Ring,
-    right: Ring,
-    rows: [[u8; WIDTH]; ROWS],
-    /// The rectified row of the right view.
-    out: [u8; WIDTH],
+    pub(super) left: Ring,
+    pub(super) right: Ring,
+    pub(super) rows: [[u8; WIDTH]; ROWS],
+    /// The rectified rows of the left and the right view; of a ramp that of the right one alone.
+    pub(super) out: [[u8; WIDTH]; 2],
     /// Rows of this frame that came or were missed.
-    came: u32,
-}
-
-/// A view's part of the ring.
-#[derive(Debug, Clone, Copy)]
-struct Ring {
-    first: usize,
-    len: usize,
-    /// Which of the places hold a row, a bit each.
-    present: u64,
-}
-
-impl Ring {
-    const fn place(&self, y: u32) -> usize {
-        y as usize % self.len
-    }
-
-    /// Puts in a row, or nothing where it was lost.
-    fn set(&mut self, y: u32, is_there: bool) {
-        let bit = 1 << self.place(y);
-        self.present = if is_there { self.present | bit } else { self.present & !bit };
-    }
-
-    const fn has(&self, y: u32) -> bool {
-        self.present >> self.place(y) & 1 == 1
-    }
-
-    fn row<'a, const WIDTH: usize>(&self, rows: &'a [[u8; WIDTH]], y: u32, width: usize) -> &'a [u8] {
-        rows.get(self.first + self.place(y)).and_then(|row| row.get(..width)).unwrap_or(&[])
-    }
+    pub(super) came: u32,
+    /// Whether one of them was missed.
+    pub(super) is_damaged: bool,
+    /// Of lens tables the next row to come out, and its places in both views.
+    pub(super) next: u32,
+    pub(super) places: [[Place; MAX_NODE_COLUMNS]; 2],
 }
 
 /// Whole rows that a place in 1/65536 px reaches to.
-const fn floor(q16: i32) -> i32 {
+pub(super) const fn floor(q16: i32) -> i32 {
     q16 >> FRAC_BITS
 }
 
@@ -100,11 +84,13 @@ const fn ceil(q16: i32) -> i32 {
 }
 
 impl<const ROWS: usize, const WIDTH: usize> Rectifier<ROWS, WIDTH> {
-    /// For views of `size` px whose right one is displaced by `ramp`, and by `columns` whole columns to the right.
+    /// For views of `size` px that are put right by `rectification`.
     ///
     /// # Errors
-    /// If the width is over the capacity, a figure is out of its range, or more rows must wait than the ring holds.
-    pub fn new(size: [u16; 2], ramp: Ramp, columns: i16) -> Result<Self, ConfigError> {
+    /// If the width is over the capacity, a figure is out of its range, lens tables are those of another size, or more rows
+    /// must wait than the ring holds.
+    pub fn new(size: [u16; 2], rectification: Rectification) -> Result<Self, ConfigError> {
+        let Rectification { ramp, columns, lenses, .. } = rectification;
         if usize::from(size[0]) > WIDTH {
             return Err(ConfigError::Capacity { max_width: u16::try_from(WIDTH).unwrap_or(u16::MAX) });
         }
@@ -114,25 +100,43 @@ impl<const ROWS: usize, const WIDTH: usize> Rectifier<ROWS, WIDTH> {
         if columns.unsigned_abs() > Offset::MAX_COLUMNS.unsigned_abs() {
             return Err(ConfigError::ColumnOffset);
         }
-        let [left, right] = ramp.rows_of_views(size);
-        if left + right > ROWS || left.max(right) > 64 {
+        if lenses.is_some_and(|lenses| lenses.iter().any(|table| table.size() != size)) {
+            return Err(ConfigError::LensSize);
+        }
+        let ([left, right], waits) = match &lenses {
+            Some(lenses) => {
+                let schedule = Schedule::of(lenses);
+                (schedule.rows, schedule.waits)
+            }
+            None => {
+                let rows = ramp.rows_of_views(size);
+                (rows, rows[0] - 1)
+            }
+        };
+        if left + right > ROWS || left.max(right) > Ring::MAX_ROWS {
             let count = |rows: usize| u16::try_from(rows).unwrap_or(u16::MAX);
             return Err(ConfigError::RingRows { needed: count(left + right), rows: count(ROWS) });
         }
-        Ok(Self {
+        let mut rectifier = Self {
             size,
             ramp,
             columns,
-            waits: left - 1,
-            left: Ring { first: 0, len: left, present: 0 },
-            right: Ring { first: left, len: right, present: 0 },
+            lenses,
+            waits,
+            left: Ring::new(0, left),
+            right: Ring::new(left, right),
             rows: [[0; WIDTH]; ROWS],
-            out: [0; WIDTH],
+            out: [[0; WIDTH]; 2],
             came: 0,
-        })
+            is_damaged: false,
+            next: 0,
+            places: [[[0; 2]; MAX_NODE_COLUMNS]; 2],
+        };
+        rectifier.start();
+        Ok(rectifier)
     }
 
-    /// So many rows after a row came it comes out.
+    /// So many rows after a row came it comes out, at most.
     #[must_use]
     pub const fn waiting_rows(&self) -> usize {
         self.waits
@@ -140,7 +144,10 @@ impl<const ROWS: usize, const WIDTH: usize> Rectifier<ROWS, WIDTH> {
 
     /// Begins a frame.
     pub fn start(&mut self) {
-        (self.came, self.left.present, self.right.present) = (0, 0, 0);
+        (self.came, self.is_damaged) = (0, false);
+        self.left.clear();
+        self.right.clear();
+        self.start_lenses();
     }
 
     /// Takes the next rows of both cameras.
@@ -164,20 +171,28 @@ impl<const ROWS: usize, const WIDTH: usize> Rectifier<ROWS, WIDTH> {
     pub fn miss(&mut self, sink: &mut dyn FnMut(RectifiedRow<'_>)) {
         self.left.set(self.came, false);
         self.right.set(self.came, false);
+        self.is_damaged = true;
         self.advance(sink);
     }
 
     /// Ends the frame: the rows that wait come out.
     pub fn finish(&mut self, sink: &mut dyn FnMut(RectifiedRow<'_>)) {
-        let waits = u32::try_from(self.waits).unwrap_or(u32::MAX);
-        for y in self.came.saturating_sub(waits)..self.came {
-            self.emit(y, sink);
+        if self.lenses.is_some() {
+            self.finish_lenses(sink);
+        } else {
+            let waits = u32::try_from(self.waits).unwrap_or(u32::MAX);
+            for y in self.came.saturating_sub(waits)..self.came {
+                self.emit(y, sink);
+            }
         }
         self.start();
     }
 
     fn advance(&mut self, sink: &mut dyn FnMut(RectifiedRow<'_>)) {
         self.came += 1;
+        if self.lenses.is_some() {
+            return self.advance_lenses(sink);
+        }
         let ready = usize::try_from(self.came).unwrap_or(usize::MAX).checked_sub(self.waits + 1);
         if let Some(y) = ready.and_then(|y| u32::try_from(y).ok()) {
             self.emit(y, sink);
@@ -192,7 +207,7 @@ impl<const ROWS: usize, const WIDTH: usize> Rectifier<ROWS, WIDTH> {
         let left = self.left.row(&self.rows, y, width);
         let raw = nearest.filter(|&nearest| self.left.has(y) && self.right.has(nearest));
         let raw = raw.map(|nearest| ScanlinePair { left, right: self.right.row(&self.rows, nearest, width) });
-        let pair = has_pair.then(|| ScanlinePair { left, right: self.out.get(..width).unwrap_or(&[]) });
+        let pair = has_pair.then(|| ScanlinePair { left, right: self.out[0].get(..width).unwrap_or(&[]) });
         sink(RectifiedRow { y, pair, raw });
     }
 
@@ -221,7 +236,7 @@ impl<const ROWS: usize, const WIDTH: usize> Rectifier<ROWS, WIDTH> {
         let mut place = self.place_q16(3 - edge, y);
         let step = self.ramp.roll_q16 * 4;
         let (rows, right) = (&self.rows, &self.right);
-        let Some(out) = self.out.get_mut(..width) else { return false };
+        let Some(out) = self.out[0].get_mut(..width) else { return false };
         let row = |row: i32| right.row(rows, clamp(row), width);
         // The two rows that the runs lie between, as long as these stay the same.
         let mut at = floor(place);
@@ -299,7 +314,8 @@ mod tests {
     }
 
     fn play(ramp: Ramp, columns: i16, height: u16, lost: &[u16]) -> Vec<(u32, Option<Vec<u8>>, Option<u8>)> {
-        let mut rectifier = Rectifier::<80, 48>::new([WIDTH, height], ramp, columns).unwrap();
+        let mut rectifier =
+            Rectifier::<80, 48>::new([WIDTH, height], Rectification { columns, ..ramp.into() }).unwrap();
         let mut rows = Vec::new();
         let mut note = |row: RectifiedRow<'_>| {
             rows.push((row.y, row.pair.map(|pair| pair.right.to_vec()), row.raw.map(|raw| raw.right[0])));
@@ -374,7 +390,8 @@ mod tests {
 
     #[test]
     fn what_does_not_fit_is_refused_with_the_rows_needed() {
-        let new = |ramp| Rectifier::<20, 48>::new([WIDTH, 30], ramp, 0).map(|stage| stage.waiting_rows());
+        let new =
+            |ramp| Rectifier::<20, 48>::new([WIDTH, 30], Rectification::from(ramp)).map(|stage| stage.waiting_rows());
         assert_eq!(new(Ramp::whole(9)), Ok(9));
         assert_eq!(new(Ramp::whole(-18 + 8)), Ok(0));
         let steep = Ramp { rows_q16: 12 << 16, roll_q16: 6554, scale_q16: 0 };

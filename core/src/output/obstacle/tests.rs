@@ -82,7 +82,7 @@ fn what_is_unknown_uncertain_or_infinitely_far_is_no_obstacle() {
     assert_eq!(find(&mut finder, &map(|_, _| Some(0.0))), unknown);
     assert_eq!(find(&mut finder, &map(|_, _| Some(-3.0))), unknown);
     for y in 0..u32::from(HEIGHT) {
-        finder.push(&DisparityRow { y, disparity: &[Disparity::from_px(4); WIDTH], confidence: &[63; WIDTH] });
+        finder.push(&DisparityRow { y, disparity: &[Disparity::from_px(4); WIDTH], confidence: &[55; WIDTH] });
     }
     assert!(finder.nearest_mm().all(|mm| mm.is_none()));
 }
@@ -107,8 +107,8 @@ fn fewer_blocks_than_must_agree_are_not_believed() {
         });
         find(&mut finder(mounting(300, 0.0)), &seen)[4].unwrap()
     };
-    assert_eq!([box_of(1, 1, 9.0), box_of(1, 3, 9.0), box_of(3, 1, 9.0)], [3000; 3]);
-    assert_eq!([box_of(1, 4, 10.0), box_of(3, 2, 10.0), box_of(2, 3, 10.0)], [600; 3]);
+    assert_eq!([box_of(1, 1, 9.0), box_of(1, 4, 9.0), box_of(3, 1, 9.0), box_of(2, 2, 9.0)], [3000; 4]);
+    assert_eq!([box_of(1, 5, 10.0), box_of(3, 2, 10.0), box_of(2, 3, 10.0)], [600; 3]);
 }
 
 #[test]
@@ -165,7 +165,8 @@ fn a_sector_is_free_where_it_is_measured_and_empty_and_only_if_that_was_asked() 
 
 #[test]
 fn what_it_keeps_is_small() {
-    assert!(size_of::<Obstacles<17, { blocks_for(320) }>>() <= 1024);
+    let size = size_of::<Obstacles<17, { blocks_for(320) }>>();
+    assert!(size <= 1088, "{size}");
 }
 
 #[test]

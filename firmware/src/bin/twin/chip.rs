@@ -81,7 +81,7 @@ fn start() -> Result<Parts, &'static str> {
     let method = methods::build(&options, clock)?;
     let (method, watch): (&'static mut dyn StereoMethod, _) = match &options.plan {
         Some(plan) => {
-            let behind = Rectified::new(method, plan.height, plan.ramp, plan.columns);
+            let behind = Rectified::new(method, plan.height, plan.rectification);
             let behind = behind.map_err(|_| "the rig's offset is out of range, or needs more than 64 rows")?;
             let setup = plan.setup().ok_or("the rig has too many sectors")?;
             (BEHIND.init(behind), Some(Watch { setup, file: file::create(file::OBSTACLES)? }))

@@ -2,7 +2,7 @@
 
 use haarline::setup::Reach;
 use haarline::wiring::{First, Kind, Skew};
-use haarline::{Config, Ramp, Rig, Wiring};
+use haarline::{Config, Ramp, Rectification, Rig, Wiring};
 use haarline_firmware::ring::{MAX_RAW, MAX_WIDTH};
 use haarline_rig::Plan;
 
@@ -153,8 +153,12 @@ impl RigFigures {
                 wiring: options.wiring,
                 frame_rate_hz: 1,
                 exposure_lines: None,
-                ramp: Ramp { rows_q16, roll_q16, scale_q16 },
-                columns: columns.try_into().ok()?,
+                rectification: Rectification {
+                    ramp: Ramp { rows_q16, roll_q16, scale_q16 },
+                    columns: columns.try_into().ok()?,
+                    ..Rectification::default()
+                },
+                ring_rows: 0,
                 rig: Rig::new(focal.try_into().ok()?, baseline.try_into().ok()?)?
                     .with_axes(Some([axis_x, axis_y]), doffs),
                 camera_height_mm,

@@ -4,15 +4,14 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Result, ensure};
 use haarline::Config;
+use haarline_rig::{CameraModel, Description, Lens};
 
 use super::super::{number, print, whole_number};
 use crate::input::raw_dump::ViewSize;
+use crate::input::rig_file;
 use crate::output;
 use crate::rig::description_file::{DescriptionFile, Field};
 use crate::rig::import::{self, Imported, Options};
-
-/// Rows by which a rectified view may miss before a user must know: half of what costs accuracy.
-const ROWS_TOLD: f64 = 0.25;
 
 /// Arguments of `haarline rig import`.
 #[derive(Debug, clap::Args)]
@@ -62,12 +61,13 @@ impl Args {
         };
         let file = DescriptionFile::open("-o", &self.output, self.update)?;
         let imported = import::import(&self.files, &options)?;
-        let changes = file.write(&fields(&imported, file.description().is_none())?)?;
-        print(&text(&imported, &self.output.display().to_string(), self.update, &changes))
+        let changes = file.write(&fields(&imported, file.description().as_ref())?)?;
+        let description = rig_file::read(&self.output)?;
+        print(&text(&imported, &description, &self.output.display().to_string(), self.update, &changes)?)
     }
 }
 
-fn fields(imported: &Imported, is_new: bool) -> Result<Vec<Field>> {
+fn fields(imported: &Imported, before: Option<&Description>) -> Result<Vec<Field>> {
     let Imported { size, rig, baseline_mm, .. } = imported;
     let width = u16::try_from(size[0]).ok().filter(|width| (Config::MIN_WIDTH..=Config::MAX_WIDTH).contains(width));
     let width = width.with_context(|| {
@@ -86,20 +86,71 @@ fn fields(imported: &Imported, is_new: bool) -> Result<Vec<Field>> {
         ("doffs", format!("{:.3}", rig.doffs)),
         ("baseline_mm", format!("{baseline_mm:.3}")),
     ];
-    if is_new {
+    match &imported.cameras {
+        Some(cameras) => fields.extend(camera_fields(cameras)?),
+        None => ensure!(
+            before.is_none_or(|before| before.cameras.is_none()),
+            "the description of -o has lenses and the calibration needs none: write a new one"
+        ),
+    }
+    if before.is_none() {
         fields.push(("num_disparities", Config::for_width(width).num_disparities.to_string()));
     }
     Ok(fields)
 }
 
-fn text(imported: &Imported, name: &str, is_update: bool, changes: &[String]) -> String {
-    let Imported { kind, size, rig, baseline_mm, is_rectified } = imported;
+fn camera_fields(cameras: &[CameraModel; 2]) -> Result<Vec<Field>> {
+    let numbers =
+        |values: &[f64]| format!("[{}]", values.iter().map(|v| format!("{v:?}")).collect::<Vec<_>>().join(", "));
+    let model = |lens: &Lens| match lens {
+        Lens::Radial(_) => "radtan",
+        Lens::Equidistant(_) => "equidistant",
+    };
+    let [left, right] = cameras.each_ref().map(|camera| model(&camera.lens));
+    ensure!(left == right, "the lenses are of two models, {left} and {right}: calibrate both cameras with one of them");
+    let mut fields = vec![("lens", format!("\"{left}\""))];
+    let names = [["left_camera", "left_lens", "left_turn"], ["right_camera", "right_lens", "right_turn"]];
+    for (names, camera) in names.into_iter().zip(cameras) {
+        let bent = match &camera.lens {
+            Lens::Radial(of) => numbers(of),
+            Lens::Equidistant(of) => numbers(of),
+        };
+        fields.extend([(names[0], numbers(&camera.intrinsics)), (names[1], bent), (names[2], numbers(&camera.turn))]);
+    }
+    Ok(fields)
+}
+
+/// What lens tables need and how good they are.
+pub(super) fn lens_text(rig: &Description) -> Result<String> {
+    let [fit, inside] = rig.lens_fit().context("no lenses")?;
+    let rows = rig.plan()?.waiting_rows();
+    Ok(format!(
+        "{rows} rows of both views wait in a ring ({:.1} KB), tables at most {fit:.2} px off, {inside:.1} % of the views seen\n",
+        (rows * usize::from(rig.width)) as f64 / 1024.0
+    ))
+}
+
+fn text(
+    imported: &Imported,
+    description: &Description,
+    name: &str,
+    is_update: bool,
+    changes: &[String],
+) -> Result<String> {
+    let Imported { kind, size, rig, baseline_mm, is_rectified, cameras } = imported;
     let mut text = format!(
         "{kind}: {}x{} px, focal length {:.2} px, cameras {baseline_mm:.2} mm apart\n",
         size[0], size[1], rig.focal_px
     );
     if *is_rectified {
         text += &format!("for rectified frames; doffs {:.3} px\n", rig.doffs);
+    } else if cameras.is_some() {
+        text += &format!(
+            "for frames as they come off the cameras, by lens tables: offsets alone would leave rows {:.2} px (greatest {:.2}), \
+             disparities {:.2} px (greatest {:.2}) wrong\n",
+            rig.row_residual[0], rig.row_residual[1], rig.column_residual[0], rig.column_residual[1]
+        );
+        text += &lens_text(description)?;
     } else {
         text += &format!(
             "for frames as they come off the cameras: the right view lies {:.2} rows lower, rolled by {:.2} degrees, {:.2} % higher, \
@@ -110,12 +161,9 @@ fn text(imported: &Imported, name: &str, is_update: bool, changes: &[String]) ->
             "what lenses and turns leave: rows {:.2} px (greatest {:.2}), disparities {:.2} px (greatest {:.2})\n",
             rig.row_residual[0], rig.row_residual[1], rig.column_residual[0], rig.column_residual[1]
         );
-        if rig.row_residual[1] > ROWS_TOLD {
-            text += "lens tables are not imported yet: rectify such frames, then import with --rectified\n";
-        }
     }
     let changed = if changes.is_empty() { "nothing changed".to_owned() } else { changes.join("; ") };
     let before = if is_update { format!(" (before: {name}.bak)") } else { String::new() };
     let rest = if is_update { "" } else { "; the mounting is an example still: fill it in" };
-    text + &format!("in {name}{before}: {changed}{rest}\n")
+    Ok(text + &format!("in {name}{before}: {changed}{rest}\n"))
 }

@@ -79,6 +79,10 @@ fn rows(rig: &Description) -> Vec<(String, String)> {
         lines => format!("exposed for {lines} lines"),
     };
     let wiring = format!("{}, {} first, skew {skew}", rig.wiring.kind.name(), rig.wiring.first.name());
+    let lenses = match rig.cameras {
+        Some(_) => import::lens_text(rig).unwrap_or_else(|error| error.to_string()).trim_end().to_owned(),
+        None => "left as they are".to_owned(),
+    };
     [
         ("wiring", wiring),
         ("size of a view", format!("{} x {} px", rig.width, rig.height)),
@@ -94,6 +98,7 @@ fn rows(rig: &Description) -> Vec<(String, String)> {
                 rig.plan().map_or(0, |plan| plan.waiting_rows())
             ),
         ),
+        ("lenses", lenses),
         ("focal length", format!("{} px", rig.focal_px)),
         (
             "left camera's axis",

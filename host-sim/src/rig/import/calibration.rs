@@ -1,86 +1,54 @@
 //! Two calibrated cameras: what a calibration file comes down to.
 
 use anyhow::{Result, ensure};
+use haarline_rig::Lens;
 use nalgebra::{Matrix3, Vector2, Vector3};
 
-/// How a lens bends rays.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Lens {
-    /// OpenCV's model: k1, k2, p1, p2, k3 and of the rational one k4, k5, k6.
-    Radial([f64; 8]),
-    /// OpenCV's fisheye, Kalibr's equidistant model: k1 to k4.
-    Equidistant([f64; 4]),
+/// OpenCV's coefficients: 0, 4, 5, 8, 12 or 14, of which thin prisms and a tilted sensor must be 0.
+///
+/// # Errors
+/// If there are so many or such that they are not read.
+pub fn radial(name: &str, coefficients: &[f64]) -> Result<Lens> {
+    let count = coefficients.len();
+    ensure!(
+        [0, 2, 4, 5, 8, 12, 14].contains(&count),
+        "{name}: has {count} coefficients, where OpenCV's model has 4, 5, 8, 12 or 14"
+    );
+    ensure!(
+        coefficients.iter().skip(8).all(|&c| c == 0.0),
+        "{name}: thin prism and tilted sensor (its coefficients from the 9th on) are not read; calibrate without them"
+    );
+    let mut of_model = [0.0; 8];
+    of_model.iter_mut().zip(coefficients).for_each(|(place, &value)| *place = value);
+    Ok(Lens::Radial(of_model))
 }
 
-impl Lens {
-    /// OpenCV's coefficients: 0, 4, 5, 8, 12 or 14, of which thin prisms and a tilted sensor must be 0.
-    ///
-    /// # Errors
-    /// If there are so many or such that they are not read.
-    pub fn radial(name: &str, coefficients: &[f64]) -> Result<Self> {
-        let count = coefficients.len();
-        ensure!(
-            [0, 2, 4, 5, 8, 12, 14].contains(&count),
-            "{name}: has {count} coefficients, where OpenCV's model has 4, 5, 8, 12 or 14"
-        );
-        ensure!(
-            coefficients.iter().skip(8).all(|&c| c == 0.0),
-            "{name}: thin prism and tilted sensor (its coefficients from the 9th on) are not read; calibrate without them"
-        );
-        let mut of_model = [0.0; 8];
-        of_model.iter_mut().zip(coefficients).for_each(|(place, &value)| *place = value);
-        Ok(Self::Radial(of_model))
-    }
+/// Where a ray goes that comes from (x, y) at depth 1.
+#[must_use]
+pub fn bend(lens: &Lens, ray: Vector2<f64>) -> Vector2<f64> {
+    lens.bend(ray.into()).into()
+}
 
-    /// Where a ray goes that comes from (x, y) at depth 1.
-    #[must_use]
-    pub fn bend(&self, ray: Vector2<f64>) -> Vector2<f64> {
-        let squared = ray.norm_squared();
-        match self {
-            Self::Radial([k1, k2, p1, p2, k3, k4, k5, k6]) => {
-                let above = 1.0 + squared * (k1 + squared * (k2 + squared * k3));
-                let below = 1.0 + squared * (k4 + squared * (k5 + squared * k6));
-                let product = 2.0 * ray.x * ray.y;
-                let aside = Vector2::new(
-                    p1 * product + p2 * (squared + 2.0 * ray.x * ray.x),
-                    p2 * product + p1 * (squared + 2.0 * ray.y * ray.y),
-                );
-                ray * (above / below) + aside
-            }
-            Self::Equidistant(k) => {
-                let radius = squared.sqrt();
-                if radius < 1e-9 {
-                    return ray;
-                }
-                let angle = radius.atan();
-                let square = angle * angle;
-                let bent = angle * (1.0 + square * (k[0] + square * (k[1] + square * (k[2] + square * k[3]))));
-                ray * (bent / radius)
-            }
+/// Where a ray comes from that goes to `bent`; `None` where none does.
+#[must_use]
+pub fn straighten(lens: &Lens, bent: Vector2<f64>) -> Option<Vector2<f64>> {
+    let mut ray = bent;
+    for _ in 0..100 {
+        let wrong = bend(lens, ray) - bent;
+        if wrong.norm() < 1e-10 {
+            return Some(ray);
         }
-    }
-
-    /// Where a ray comes from that goes to `bent`; `None` where none does.
-    #[must_use]
-    pub fn straighten(&self, bent: Vector2<f64>) -> Option<Vector2<f64>> {
-        let mut ray = bent;
-        for _ in 0..100 {
-            let wrong = self.bend(ray) - bent;
-            if wrong.norm() < 1e-10 {
-                return Some(ray);
-            }
-            // Newton's step with the differences for the derivative.
-            let step = 1e-6;
-            let along = |by: Vector2<f64>| (self.bend(ray + by) - self.bend(ray - by)) / (2.0 * step);
-            let (x, y) = (along(Vector2::new(step, 0.0)), along(Vector2::new(0.0, step)));
-            let det = x.x * y.y - y.x * x.y;
-            if det <= 1e-6 {
-                return None;
-            }
-            ray -= Vector2::new(wrong.x * y.y - wrong.y * y.x, wrong.y * x.x - wrong.x * x.y) / det;
+        // Newton's step with the differences for the derivative.
+        let step = 1e-6;
+        let along = |by: Vector2<f64>| (bend(lens, ray + by) - bend(lens, ray - by)) / (2.0 * step);
+        let (x, y) = (along(Vector2::new(step, 0.0)), along(Vector2::new(0.0, step)));
+        let det = x.x * y.y - y.x * x.y;
+        if det <= 1e-6 {
+            return None;
         }
-        None
+        ray -= Vector2::new(wrong.x * y.y - wrong.y * y.x, wrong.y * x.x - wrong.x * x.y) / det;
     }
+    None
 }
 
 /// A camera.
@@ -113,7 +81,7 @@ impl Camera {
         if direction.z <= 0.0 {
             return None;
         }
-        let bent = self.lens.bend(direction.xy() / direction.z);
+        let bent = bend(&self.lens, direction.xy() / direction.z);
         Some(Vector2::new(fx * bent.x + cx, fy * bent.y + cy))
     }
 
@@ -121,7 +89,7 @@ impl Camera {
     #[must_use]
     pub fn direction(&self, pixel: Vector2<f64>) -> Option<Vector3<f64>> {
         let [fx, fy, cx, cy] = self.intrinsics;
-        let ray = self.lens.straighten(Vector2::new((pixel.x - cx) / fx, (pixel.y - cy) / fy))?;
+        let ray = straighten(&self.lens, Vector2::new((pixel.x - cx) / fx, (pixel.y - cy) / fy))?;
         Some(Vector3::new(ray.x, ray.y, 1.0))
     }
 
@@ -130,7 +98,7 @@ impl Camera {
     pub fn shrunk(&self, by: f64) -> Self {
         let [fx, fy, cx, cy] = self.intrinsics;
         let middle = |c: f64| (c + 0.5) / by - 0.5;
-        Self { intrinsics: [fx / by, fy / by, middle(cx), middle(cy)], lens: self.lens.clone() }
+        Self { intrinsics: [fx / by, fy / by, middle(cx), middle(cy)], lens: self.lens }
     }
 }
 
@@ -219,23 +187,23 @@ mod tests {
     #[test]
     fn lenses_straighten_what_they_bend() {
         let lenses = [
-            Lens::radial("D", &[-0.3, 0.1, 0.001, -0.002, 0.02]).unwrap(),
-            Lens::radial("D", &[0.2, 0.0, 0.0, 0.0, 0.0, 0.1, 0.02, 0.0, 0.0, 0.0, 0.0, 0.0]).unwrap(),
+            radial("D", &[-0.3, 0.1, 0.001, -0.002, 0.02]).unwrap(),
+            radial("D", &[0.2, 0.0, 0.0, 0.0, 0.0, 0.1, 0.02, 0.0, 0.0, 0.0, 0.0, 0.0]).unwrap(),
             Lens::Equidistant([0.01, -0.002, 0.0003, 0.0]),
         ];
         for lens in lenses {
             for ray in [[0.0, 0.0], [0.5, -0.3], [-0.6, 0.45]] {
                 let ray = Vector2::from(ray);
-                assert!((lens.straighten(lens.bend(ray)).unwrap() - ray).norm() < 1e-8, "{lens:?} {ray}");
+                assert!((straighten(&lens, bend(&lens, ray)).unwrap() - ray).norm() < 1e-8, "{lens:?} {ray}");
             }
         }
-        assert!(Lens::radial("D", &[0.1; 14]).is_err() && Lens::radial("D", &[0.1; 3]).is_err());
+        assert!(radial("D", &[0.1; 14]).is_err() && radial("D", &[0.1; 3]).is_err());
     }
 
     #[test]
     fn a_bent_ray_is_opencvs() {
         // cv2.projectPoints of (0.3, -0.2, 1) with fx 300, fy 310, cx 160, cy 120.
-        let lens = Lens::radial("D", &[-0.3, 0.1, 0.001, -0.002, 0.05]).unwrap();
+        let lens = radial("D", &[-0.3, 0.1, 0.001, -0.002, 0.05]).unwrap();
         let camera = Camera { intrinsics: [300.0, 310.0, 160.0, 120.0], lens };
         let seen = camera.project(Vector3::new(0.3, -0.2, 1.0)).unwrap();
         assert!((seen - Vector2::new(OPENCV[0], OPENCV[1])).norm() < 1e-4, "{seen}");

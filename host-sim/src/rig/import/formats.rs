@@ -3,10 +3,11 @@
 use std::collections::BTreeMap;
 
 use anyhow::{Context, Result, bail, ensure};
+use haarline_rig::Lens;
 use nalgebra::{Matrix3, Matrix4, Vector3};
 use serde_json::{Map, Value};
 
-use super::calibration::{Calibration, Camera, Lens, Raw, Rectified};
+use super::calibration::{Calibration, Camera, Raw, Rectified, radial};
 use super::document::{Document, numbers};
 
 type Tree = Map<String, Value>;
@@ -64,7 +65,7 @@ fn size(values: &[f64]) -> Option<[u32; 2]> {
 fn lens(model: &str, coefficients: &[f64]) -> Result<Lens> {
     match model {
         "plumb_bob" | "rational_polynomial" | "radtan" | "radial-tangential" | "none" => {
-            Lens::radial("the distortion", if model == "none" { &[] } else { coefficients })
+            radial("the distortion", if model == "none" { &[] } else { coefficients })
         }
         "equidistant" | "fisheye" => {
             let four = coefficients.try_into().ok();
@@ -198,7 +199,7 @@ fn opencv(documents: &[Document]) -> Result<Calibration> {
     let raw = match (k1?, k2?) {
         (Some(k1), Some(k2)) => {
             let camera = |name: &str, k: &[f64], d: Result<Option<&[f64]>>| -> Result<Camera> {
-                Camera::new(name, k, Lens::radial("the distortion", d?.unwrap_or(&[]))?)
+                Camera::new(name, k, radial("the distortion", d?.unwrap_or(&[]))?)
             };
             let (left, right) = (camera("K1", k1, d1)?, camera("K2", k2, d2)?);
             match (rotation, translation) {

@@ -1,11 +1,12 @@
 //! Calibrations as other tools write them, turned into a rig description.
 //!
 //! [`document`] reads YAML, XML, JSON and lines, [`formats`] finds the two cameras in them, [`calibration`] is what
-//! they have in common, [`pinhole`] the nearest rig without lens tables.
+//! they have in common, [`pinhole`] the nearest rig without lens tables, [`lenses`] the one with them.
 
 pub mod calibration;
 pub mod document;
 pub mod formats;
+pub mod lenses;
 pub mod pinhole;
 
 use std::path::{Path, PathBuf};
@@ -13,7 +14,11 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail, ensure};
 
 use calibration::{Calibration, Camera, Raw};
+use haarline_rig::CameraModel;
 use pinhole::Pinhole;
+
+/// Rows and columns, px, up to which what lenses and turns do is left alone.
+const MOST_LEFT: f64 = 0.1;
 
 /// What a user tells beside the files.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -41,6 +46,8 @@ pub struct Imported {
     pub baseline_mm: f64,
     /// Whether the rig is that of rectified views.
     pub is_rectified: bool,
+    /// The left and the right camera where their lenses must be straightened.
+    pub cameras: Option<[CameraModel; 2]>,
 }
 
 /// Reads `files`, of two the left camera's first.
@@ -69,14 +76,20 @@ fn of_calibration(calibration: &Calibration, options: &Options) -> Result<Import
     let size = calibration.size.or(options.size).context("tells no image size: add --size WIDTHxHEIGHT")?;
     let by = f64::from(options.shrink);
     let small = size.map(|px| px / options.shrink);
-    let (rig, is_rectified) = match (&calibration.raw, &calibration.rectified) {
+    let (rig, is_rectified, cameras) = match (&calibration.raw, &calibration.rectified) {
         (Some(raw), _) if !options.is_rectified => {
             check_in_view(&raw.left, size)?;
             check_in_view(&raw.right, size)?;
             let shrunk = Raw { left: raw.left.shrunk(by), right: raw.right.shrunk(by), ..raw.clone() };
-            (pinhole::of_raw(&shrunk, small)?, false)
+            let plain = pinhole::of_raw(&shrunk, small)?;
+            if plain.row_residual[1].max(plain.column_residual[1]) <= MOST_LEFT {
+                (plain, false, None)
+            } else {
+                let (rig, cameras) = lenses::of_raw(&shrunk, small, &plain)?;
+                (rig, false, Some(cameras))
+            }
         }
-        (_, Some(rectified)) => (pinhole::of_rectified(&rectified.shrunk(by)), true),
+        (_, Some(rectified)) => (pinhole::of_rectified(&rectified.shrunk(by)), true, None),
         _ => bail!("tells no rectified views (P1, P2): leave --rectified out"),
     };
     let unit_mm = options.unit_mm.or(calibration.unit_mm).or_else(|| unit_of(rig.baseline));
@@ -86,7 +99,14 @@ fn of_calibration(calibration: &Calibration, options: &Options) -> Result<Import
             rig.baseline
         )
     })?;
-    Ok(Imported { kind: calibration.kind, size: small, rig, baseline_mm: rig.baseline * unit_mm, is_rectified })
+    Ok(Imported {
+        kind: calibration.kind,
+        size: small,
+        rig,
+        baseline_mm: rig.baseline * unit_mm,
+        is_rectified,
+        cameras,
+    })
 }
 
 /// An axis far outside of the picture is that of pictures of another size.

@@ -1,0 +1,249 @@
+//! Rows by lens tables: when each can come out, and how it is made.
+
+use super::lens::{LensTable, MAX_NODE_COLUMNS, NODE_PX, reach, render};
+use super::ring::Ring;
+use super::stage::floor;
+use super::{RectifiedRow, Rectifier};
+use crate::ScanlinePair;
+
+/// Rows that two lens tables need.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Schedule {
+    /// Rows of each view in the ring.
+    pub(super) rows: [usize; 2],
+    /// Rows after which a row comes out, at most.
+    pub(super) waits: usize,
+}
+
+impl Schedule {
+    pub(super) fn of(lenses: &[LensTable; 2]) -> Self {
+        let [width, height] = lenses[0].size();
+        let mut schedule = Self { rows: [1; 2], waits: 0 };
+        let mut ready = 0;
+        let mut places = [[0; 2]; MAX_NODE_COLUMNS];
+        for y in 0..u32::from(height) {
+            let rows = [0, 1].map(|view: usize| {
+                lenses[view].row(y, &mut places);
+                rows_of(reach(&places, width.into()), height.into())
+            });
+            ready = ready.max(rows[0][1] + 1).max(rows[1][1] + 1);
+            for (len, rows) in schedule.rows.iter_mut().zip(rows) {
+                *len = (*len).max((ready - rows[0]) as usize);
+            }
+            schedule.waits = schedule.waits.max(ready.saturating_sub(y + 1) as usize);
+        }
+        schedule
+    }
+}
+
+/// First and last row of the camera, of `height` rows, that places between these need.
+fn rows_of(reach: [i32; 2], height: u32) -> [u32; 2] {
+    let clamp = |row: i32| u32::try_from(row).unwrap_or(0).min(height.saturating_sub(1));
+    [clamp(floor(reach[0])), clamp(floor(reach[1]) + 1)]
+}
+
+impl<const ROWS: usize, const WIDTH: usize> Rectifier<ROWS, WIDTH> {
+    const BLANK: [u8; WIDTH] = [0; WIDTH];
+
+    pub(super) fn start_lenses(&mut self) {
+        self.next = 0;
+        self.place_next();
+    }
+
+    /// Finds the places of the next row.
+    fn place_next(&mut self) {
+        let Self { lenses: Some(lenses), places, next, .. } = self else { return };
+        for (table, places) in lenses.iter().zip(places) {
+            table.row(*next, places);
+        }
+    }
+
+    /// First and last row of each view that the next row needs.
+    fn needed(&self) -> [[u32; 2]; 2] {
+        let [width, height] = self.size;
+        [0, 1].map(|view: usize| rows_of(reach(&self.places[view], width.into()), height.into()))
+    }
+
+    pub(super) fn advance_lenses(&mut self, sink: &mut dyn FnMut(RectifiedRow<'_>)) {
+        let height = u32::from(self.size[1]);
+        while self.next < height {
+            let needed = self.needed();
+            if needed.iter().any(|rows| rows[1] >= self.came) {
+                return;
+            }
+            self.emit_by_lenses(needed, sink);
+        }
+        // A frame of more rows than the tables have.
+        while self.next < self.came {
+            sink(RectifiedRow { y: self.next, pair: None, raw: None });
+            self.next += 1;
+        }
+    }
+
+    /// The rows that still wait; what they need below the last row is that row.
+    pub(super) fn finish_lenses(&mut self, sink: &mut dyn FnMut(RectifiedRow<'_>)) {
+        let last = self.came.saturating_sub(1);
+        while self.next < self.came {
+            let needed = self.needed().map(|rows| rows.map(|row| row.min(last)));
+            self.emit_by_lenses(needed, sink);
+        }
+    }
+
+    fn emit_by_lenses(&mut self, needed: [[u32; 2]; 2], sink: &mut dyn FnMut(RectifiedRow<'_>)) {
+        let (width, y) = (usize::from(self.size[0]), self.next);
+        let middle = 1 + width / 2 / NODE_PX;
+        let nearest = |view: usize| {
+            let row = floor(self.places[view].get(middle).map_or(0, |place| place[1]) + (1 << 15));
+            u32::try_from(row).ok().filter(|&row| row < self.came)
+        };
+        let nearest = [nearest(0), nearest(1)];
+        let has = |ring: &Ring, [first, last]: [u32; 2]| !self.is_damaged || (first..=last).all(|row| ring.has(row));
+        let is_whole = has(&self.left, needed[0]) && has(&self.right, needed[1]);
+        let has_pair = is_whole && nearest.iter().all(Option::is_some);
+        if has_pair {
+            let last = i32::try_from(self.came).unwrap_or(i32::MAX) - 1;
+            let (rows, rings) = (&self.rows, [&self.left, &self.right]);
+            for ((places, ring), out) in self.places.iter().zip(rings).zip(&mut self.out) {
+                let row = |row: i32| {
+                    let y = u32::try_from(row.min(last)).unwrap_or(0);
+                    rows.get(ring.first + ring.place(y)).unwrap_or(&Self::BLANK)
+                };
+                render(places, row, width, out);
+            }
+        }
+        let raw = match nearest {
+            [Some(left), Some(right)] if self.left.has(left) && self.right.has(right) => Some(ScanlinePair {
+                left: self.left.row(&self.rows, left, width),
+                right: self.right.row(&self.rows, right, width),
+            }),
+            _ => None,
+        };
+        let [left, right] = self.out.each_ref().map(|row| row.get(..width).unwrap_or(&[]));
+        sink(RectifiedRow { y, pair: has_pair.then_some(ScanlinePair { left, right }), raw });
+        self.next += 1;
+        self.place_next();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+
+    use super::*;
+    use crate::rectify::{Rectification, node_count};
+    use crate::{ConfigError, Ramp};
+    use std::boxed::Box;
+    use std::vec::Vec;
+
+    const SIZE: [u16; 2] = [97, 70];
+
+    /// A lens that bends rows and columns: the places of a rectified pixel, px.
+    fn bent(x: f64, y: f64, turn: f64) -> [f64; 2] {
+        let (dx, dy) = (x - 50.0, y - 33.0);
+        let k = 1.0 - 2e-5 * (dx * dx + dy * dy);
+        [50.0 + k * dx - turn * dy + 0.3, 33.0 + k * dy + turn * dx - 0.8]
+    }
+
+    fn table(turn: f64) -> LensTable {
+        let [columns, rows] = SIZE.map(node_count);
+        let node = |i: usize| {
+            let [x, y] = [i % columns, i / columns].map(|i| 32.0 * (f64::from(u16::try_from(i).unwrap()) - 1.0));
+            let place = bent(x, y, turn);
+            #[expect(clippy::cast_possible_truncation, reason = "a few px")]
+            [(64.0 * (place[0] - x)).round() as i16, (64.0 * (place[1] - y)).round() as i16]
+        };
+        let nodes: Vec<[i16; 2]> = (0..columns * rows).map(node).collect();
+        LensTable::new(SIZE, Box::leak(nodes.into_boxed_slice())).unwrap()
+    }
+
+    fn lenses() -> [LensTable; 2] {
+        [table(0.02), table(-0.03)]
+    }
+
+    /// A view with slopes in both directions.
+    fn grey(x: f64, y: f64) -> f64 {
+        120.0 + 0.9 * (x - 50.0) + 0.8 * (y - 33.0)
+    }
+
+    /// Plays a frame; of each row that comes out its number, both views, the first raw pixels.
+    fn play<const ROWS: usize>(height: u16, lost: &[u16]) -> Vec<(u32, Option<[Vec<u8>; 2]>, Option<[u8; 2]>)> {
+        let rectification = Rectification { lenses: Some(lenses()), ..Rectification::default() };
+        let mut rectifier = Box::new(Rectifier::<ROWS, 128>::new(SIZE, rectification).unwrap());
+        let mut rows = Vec::new();
+        let mut most = 0;
+        for frame in 0..2 {
+            rows.clear();
+            rectifier.start();
+            for y in 0..height {
+                let before = rows.len();
+                let mut note = |row: RectifiedRow<'_>| {
+                    let pair = row.pair.map(|pair| [pair.left.to_vec(), pair.right.to_vec()]);
+                    rows.push((row.y, pair, row.raw.map(|raw| [raw.left[0], raw.right[0]])));
+                };
+                if lost.contains(&y) && frame == 1 {
+                    rectifier.miss(&mut note);
+                } else {
+                    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "grey levels")]
+                    let row: Vec<u8> = (0..SIZE[0]).map(|x| grey(x.into(), y.into()).round() as u8).collect();
+                    rectifier.push(ScanlinePair { left: &row, right: &row }, &mut note).unwrap();
+                }
+                most = most.max(rows.len() - before);
+            }
+            rectifier.finish(&mut |row| {
+                rows.push((row.y, row.pair.map(|pair| [pair.left.to_vec(), pair.right.to_vec()]), None))
+            });
+        }
+        assert!(most <= 2, "{most} rows with one push");
+        rows
+    }
+
+    #[test]
+    fn every_row_comes_out_once_and_shows_what_the_lens_showed() {
+        let rows = play::<40>(SIZE[1], &[]);
+        assert!(rows.iter().map(|row| row.0).eq(0..u32::from(SIZE[1])));
+        let mut compared = 0;
+        for (y, pair, _) in rows {
+            for (view, turn) in pair.iter().flatten().zip([0.02, -0.03]) {
+                for (x, &found) in (0..).zip(view) {
+                    let place = bent(f64::from(x), f64::from(y), turn);
+                    if (0.0..96.0).contains(&place[0]) && (0.0..69.0).contains(&place[1]) {
+                        let wanted = grey(place[0], place[1]);
+                        assert!((f64::from(found) - wanted).abs() < 1.3, "{x}, {y}: {found} {wanted}");
+                        compared += 1;
+                    }
+                }
+            }
+        }
+        assert!(compared > 11_000, "{compared}");
+    }
+
+    #[test]
+    fn a_larger_ring_makes_the_same_rows() {
+        assert_eq!(play::<40>(SIZE[1], &[]), play::<90>(SIZE[1], &[]));
+        let short = play::<40>(41, &[]);
+        assert!(short.len() >= 41 && short.len() <= 60, "{}", short.len());
+        assert_eq!(play::<40>(SIZE[1] + 3, &[]).len(), usize::from(SIZE[1]) + 3);
+    }
+
+    #[test]
+    fn a_lost_row_takes_those_that_need_it_and_no_other() {
+        let (whole, damaged) = (play::<40>(SIZE[1], &[]), play::<40>(SIZE[1], &[20]));
+        let missed = damaged.iter().filter(|row| row.1.is_none()).count();
+        assert!((2..12).contains(&missed), "{missed}");
+        for (whole, damaged) in whole.iter().zip(&damaged) {
+            assert!(damaged.1.is_none() || damaged.1 == whole.1);
+        }
+    }
+
+    #[test]
+    fn a_table_that_needs_more_rows_than_there_are_is_refused_with_their_number() {
+        let rectification = Rectification { lenses: Some(lenses()), ..Rectification::default() };
+        let needed = rectification.rows_needed(SIZE);
+        let Err(error) = Rectifier::<8, 128>::new(SIZE, rectification) else { panic!("8 rows are too few") };
+        assert_eq!(error, ConfigError::RingRows { needed: u16::try_from(needed).unwrap(), rows: 8 });
+        assert!((9..=40).contains(&needed), "{needed}");
+        let other = Rectifier::<40, 128>::new([97, 71], rectification).map(|_| ());
+        assert_eq!(other, Err(ConfigError::LensSize));
+        assert_eq!(Rectification::from(Ramp::whole(3)).rows_needed([97, 70]), 5);
+    }
+}
