@@ -24,7 +24,7 @@ impl Correction {
     #[must_use]
     pub const fn new(columns: u16, nodes: &'static [i16]) -> Option<Self> {
         let count = columns as usize;
-        if count < 2 || count > Self::MAX_NODES[0] || nodes.is_empty() || nodes.len() % count != 0 {
+        if count < 2 || count > Self::MAX_NODES[0] || nodes.is_empty() || !nodes.len().is_multiple_of(count) {
             return None;
         }
         if nodes.len() / count > Self::MAX_NODES[1] {
