@@ -63,6 +63,7 @@ impl Repetition {
 }
 
 #[cfg(test)]
+#[allow(clippy::cast_possible_truncation, reason = "a handful")]
 mod tests {
     use super::*;
 

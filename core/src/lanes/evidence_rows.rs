@@ -118,6 +118,12 @@ fn bytes_from(row: &[u8], first: usize, steps: usize) -> u32 {
 }
 
 #[cfg(test)]
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_possible_wrap,
+    clippy::cast_sign_loss,
+    reason = "columns of a small image"
+)]
 mod tests {
     use super::*;
 
