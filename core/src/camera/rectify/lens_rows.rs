@@ -165,8 +165,11 @@ mod tests {
         120.0 + 0.9 * (x - 50.0) + 0.8 * (y - 33.0)
     }
 
+    /// Number of a row, its rectified views and the first pixels of its raw ones.
+    type Played = (u32, Option<[Vec<u8>; 2]>, Option<[u8; 2]>);
+
     /// Plays a frame; of each row that comes out its number, both views, the first raw pixels.
-    fn play<const ROWS: usize>(height: u16, lost: &[u16]) -> Vec<(u32, Option<[Vec<u8>; 2]>, Option<[u8; 2]>)> {
+    fn play<const ROWS: usize>(height: u16, lost: &[u16]) -> Vec<Played> {
         let rectification = Rectification { lenses: Some(lenses()), ..Rectification::default() };
         let mut rectifier = Box::new(Rectifier::<ROWS, 128>::new(SIZE, rectification).unwrap());
         let mut rows = Vec::new();
