@@ -9,6 +9,7 @@ pub(crate) struct Exposure {
     total: u32,
     over_quarter: u32,
     over_half: u32,
+    over_sixteenth: u32,
 }
 
 /// Gain of the front end as a power of two: grey levels are shifted left by 0, 1 or 2.
@@ -20,7 +21,7 @@ pub(crate) struct Gain(u32);
 
 impl Exposure {
     pub(crate) const fn new() -> Self {
-        Self { total: 0, over_quarter: 0, over_half: 0 }
+        Self { total: 0, over_quarter: 0, over_half: 0, over_sixteenth: 0 }
     }
 
     /// Takes every `stride`-th pixel from `first` on into account.
@@ -29,6 +30,7 @@ impl Exposure {
             self.total += 1;
             self.over_quarter += u32::from(pixel >= 64);
             self.over_half += u32::from(pixel >= 128);
+            self.over_sixteenth += u32::from(pixel >= 16);
         }
         self.bound();
     }
@@ -36,9 +38,15 @@ impl Exposure {
     /// Halves the counts long before 32 bits are full, whatever the frame's height.
     fn bound(&mut self) {
         if self.total >= 1 << 24 {
-            (self.total, self.over_quarter, self.over_half) =
-                (self.total / 2, self.over_quarter / 2, self.over_half / 2);
+            for count in [&mut self.total, &mut self.over_quarter, &mut self.over_half, &mut self.over_sixteenth] {
+                *count /= 2;
+            }
         }
+    }
+
+    /// Whether hardly a pixel reaches a sixteenth of the range: a lens cap, a night.
+    pub(crate) const fn is_dark(&self) -> bool {
+        self.over_sixteenth * BRIGHT_SHARE < self.total
     }
 
     /// The greatest gain that saturates no more than 2 percent of the pixels.

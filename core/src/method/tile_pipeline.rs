@@ -227,7 +227,7 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> Tiled<M, BLOCKS, C> {
             Seeds::Random(seed) => self.seeds.replace(tiles, |tile| {
                 [0, 1].map(|i| {
                     let number = (tile_row * 1024 + tile) * 2 + i;
-                    (scramble(seed ^ scramble(number)) % u32::from(range)) as u16
+                    (scramble(seed ^ scramble(number)) % u32::from(range).max(1)) as u16
                 })
             }),
             Seeds::Grid => self.seeds.replace(tiles, |tile| {
@@ -509,7 +509,7 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> StereoMethod for Tiled<M, 
             self.right.push_again();
             self.advance(sink);
         }
-        self.figures = self.sums.figures();
+        self.figures = self.sums.figures(self.exposure.is_dark());
         self.start();
     }
 

@@ -17,7 +17,7 @@ pub const MOST_MISMATCH: u16 = 228;
 /// With a smaller share of windows in which there is more than three times what noise makes, per mille, nothing was seen.
 pub const LEAST_SEEN: u32 = 10;
 /// Fewer windows than this say nothing of a frame.
-const LEAST_WINDOWS: u32 = 12;
+const LEAST_WINDOWS: u32 = 64;
 /// One of so many rows of cells is looked at: an odd number, so that both halves of tiles are.
 const SAMPLING: u32 = 3;
 /// Least confidence of a sure answer.
@@ -180,14 +180,16 @@ impl FrameSums {
     }
 
     /// The figures of the frame; none before anything was answered.
-    pub(crate) fn figures(&self) -> Option<FrameFigures> {
+    ///
+    /// - `is_dark`: whether both views are.
+    pub(crate) fn figures(&self, is_dark: bool) -> Option<FrameFigures> {
         if self.pixels == 0 {
             return None;
         }
         let mismatch = (self.strength > 0).then(|| per_mille(self.difference, 2 * self.strength));
         let input = if self.windows < LEAST_WINDOWS {
             Input::Ok
-        } else if 1000 * u64::from(self.seen) < u64::from(LEAST_SEEN * self.windows) {
+        } else if is_dark || 1000 * u64::from(self.seen) < u64::from(LEAST_SEEN * self.windows) {
             Input::NothingSeen
         } else if !self.differ {
             Input::SameView
@@ -300,8 +302,8 @@ mod tests {
     #[test]
     fn sure_columns_are_counted() {
         let mut sums = FrameSums::default();
-        assert_eq!(sums.figures(), None);
+        assert_eq!(sums.figures(false), None);
         sums.count_sure(&[[63, 64, 127, 128], [192, 255, 0, 1]]);
-        assert_eq!(sums.figures().map(|figures| figures.sure), Some(625));
+        assert_eq!(sums.figures(false).map(|figures| figures.sure), Some(625));
     }
 }

@@ -74,7 +74,7 @@ fn sparse_methods_give_the_shift_where_they_answer() {
         let known = map.known();
         let right = known.iter().filter(|px| (**px - 6.0).abs() <= 0.5).count();
         assert!(map.density() > 3.0, "{method}: {} %", map.density());
-        assert!(100 * right >= 98 * known.len(), "{method}: {right} of {}", known.len());
+        assert!(100 * right >= 97 * known.len(), "{method}: {right} of {}", known.len());
     }
 }
 
