@@ -38,6 +38,8 @@ pub(crate) struct Floor {
     pub(crate) noise: u32,
     /// The merit, bonus included, from which on an answer is sure.
     pub(crate) sure: u32,
+    /// Whether the noise, 26 grey levels and more after the gain, lets hardly anything stand out.
+    pub(crate) is_drowned: bool,
 }
 
 impl Floor {
@@ -59,7 +61,8 @@ impl Floor {
             (SmoothingLevel::Medium, false) => 117,
             (SmoothingLevel::Strong, false) => 120,
         };
-        Self { zero, noise: floor, sure }
+        let is_drowned = noise.level == SmoothingLevel::Strong && floor > 99;
+        Self { zero, noise: floor, sure, is_drowned }
     }
 }
 

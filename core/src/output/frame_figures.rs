@@ -141,9 +141,7 @@ impl FrameSums {
         // Features are limited: where noise alone comes near that, it has to do.
         let most = 255_u32.saturating_sub(floor.zero);
         let least = floor.noise.saturating_mul(2).min(10 * most);
-        // Noise of 26 grey levels and more, after gain and smoothing: hardly anything can stand out.
-        let is_drowned = 5 * floor.noise > 16 * most;
-        let much = if is_drowned { u32::MAX } else { floor.noise.saturating_mul(3).min(12 * most) };
+        let much = if floor.is_drowned { u32::MAX } else { floor.noise.saturating_mul(3).min(12 * most) };
         let (mut difference, mut strength, mut seen) = (0, 0, 0);
         let pairs = labels.as_chunks::<2>().0;
         let rows = left.map(|row| row.get(1..).unwrap_or(&[]).as_chunks::<2>().0);
