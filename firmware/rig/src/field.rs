@@ -78,7 +78,7 @@ pub(crate) const FIELDS: [Field; 31] = [
     field("right_camera", "the right camera before rectification: focal lengths and axis, fx, fy, cx, cy", List(&[4], -1e5, 1e5), "px", "", true),
     field("right_lens", "its lens", List(&[0, 2, 4, 5, 8], -1e6, 1e6), "", "", true),
     field("right_turn", "its rotation into the rectified view: axis times angle", List(&[3], -2.0, 2.0), "radians", "", true),
-    field("disparity_correction", "added to disparities, by column and row: rows of nodes at even distances from border to border; haarline rig correct finds it", Rows(-64.0, 64.0), "px", "", true),
+    field("disparity_correction", "added to disparities, by column and row: rows of nodes at even distances from border to border", Rows(-64.0, 64.0), "px", "", true),
     field("sector_deg", "angle of each sector of which the nearest obstacle is told", Whole(1, 15), "degrees", "5", true),
 ];
 
