@@ -10,7 +10,7 @@
 use crate::answer::cell::HALF;
 use crate::answer::cell_row::{CellRow, blend, blend_pair, is_same_surface, word};
 use crate::answer::evidence::Worth;
-use crate::answer::median::medians;
+use crate::answer::median::{MOST_DOUBTFUL, medians};
 use crate::front_end::camera_view::Row;
 use crate::lanes::rows::{least_of_three, load, update, window_sad};
 use crate::lanes::{
@@ -25,8 +25,6 @@ const OFFSET: i32 = 64 * 64;
 const WHOLE: u32 = 0xfffc_fffc;
 /// Confidence of a guess: 1 to 15.
 const GUESS: u32 = 8;
-/// Most confidence of an answer that is doubtful.
-const MOST_DOUBTFUL: u32 = 55;
 /// What seems to lie so much further right in the right view than something that is right of it in the left view, px, is
 /// doubtful.
 const OUT_OF_ORDER: i32 = 8;

@@ -13,7 +13,7 @@ const SURE: u32 = 64;
 /// Confidence of what is sure but for its being a fringe.
 const SURE_FRINGE: u32 = 60;
 /// Most confidence of anything else that is not sure.
-const MOST_DOUBTFUL: u32 = 55;
+pub(super) const MOST_DOUBTFUL: u32 = 55;
 /// Least confidence of a measured answer.
 const MEASURED: u32 = 16;
 

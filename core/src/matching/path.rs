@@ -64,51 +64,43 @@ impl<const WORDS: usize> Paths<WORDS> {
         #[cfg(haarline_sse2)]
         self.pass::<false>(tiles, penalties);
         #[cfg(not(haarline_sse2))]
-        self.pass_rightwards_by_words(tiles, penalties);
+        self.pass_by_words::<false>(tiles, penalties);
     }
 
-    /// [`Self::pass_rightwards`], one cell at a time.
+    /// The paths from the left, or those from the right, added to these; one cell at a time.
     #[inline(always)]
-    fn pass_rightwards_by_words(&mut self, tiles: usize, penalties: Penalties) {
+    fn pass_by_words<const LEFTWARDS: bool>(&mut self, tiles: usize, penalties: Penalties) {
         let mut sums = [0; 2];
         let mut before = None;
-        for [first, second] in self.tiles(tiles) {
-            let labels = first.labels;
+        let mut pass = |pair: &mut [Column; 2]| {
+            let labels = pair[0].labels;
             let steps = penalties.steps(labels);
-            let messages = match before {
+            let mut messages = match before {
                 Some(before) if before != labels => penalties.both_other_labels(sums, before, labels),
                 _ => sums.map(|sums| penalties.same_labels(sums, steps)),
             };
-            for row in 0..2 {
-                let sum = extend(first.costs[row], messages[row]);
-                first.along[row] = sum;
-                sums[row] = extend(second.costs[row], penalties.same_labels(sum, steps));
-                second.along[row] = sums[row];
-            }
             before = Some(labels);
+            let halves = if LEFTWARDS { [1, 0] } else { [0, 1] };
+            for row in 0..2 {
+                for half in halves {
+                    let column = &mut pair[half];
+                    sums[row] = extend(column.costs[row], messages[row]);
+                    column.along[row] = if LEFTWARDS { add(column.along[row], sums[row]) } else { sums[row] };
+                    messages[row] = penalties.same_labels(sums[row], steps);
+                }
+            }
+        };
+        if LEFTWARDS {
+            self.tiles(tiles).iter_mut().rev().for_each(&mut pass);
+        } else {
+            self.tiles(tiles).iter_mut().for_each(&mut pass);
         }
     }
 
     /// The paths from the right, added to those from the left.
     #[inline(never)]
     fn pass_leftwards(&mut self, tiles: usize, penalties: Penalties) {
-        let mut sums = [0; 2];
-        let mut before = None;
-        for [first, second] in self.tiles(tiles).iter_mut().rev() {
-            let labels = first.labels;
-            let steps = penalties.steps(labels);
-            let messages = match before {
-                Some(before) if before != labels => penalties.both_other_labels(sums, before, labels),
-                _ => sums.map(|sums| penalties.same_labels(sums, steps)),
-            };
-            for row in 0..2 {
-                let sum = extend(second.costs[row], messages[row]);
-                second.along[row] = add(second.along[row], sum);
-                sums[row] = extend(first.costs[row], penalties.same_labels(sum, steps));
-                first.along[row] = add(first.along[row], sums[row]);
-            }
-            before = Some(labels);
-        }
+        self.pass_by_words::<true>(tiles, penalties);
     }
 
     /// The other paths: from the right, from the top and, one cell row late, from below. Decides the upper cells and those

@@ -149,7 +149,7 @@ pub(crate) mod tests {
                     words.set(tile, before);
                 }
                 quads.pass::<false>(20, penalties);
-                words.pass_rightwards_by_words(20, penalties);
+                words.pass_by_words::<false>(20, penalties);
                 let [a, b, c, d, e, f] = &mut rows;
                 quads.pass::<true>(20, penalties);
                 quads.decide_all(20, penalties, row == 0, [a, b, c]);
