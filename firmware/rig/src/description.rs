@@ -377,7 +377,11 @@ mod tests {
     #[test]
     fn every_field_out_of_its_range_is_told_with_range_and_unit() {
         let cases = [
-            ("wiring", "\"frame\"", "one of \"pixel\", \"line\", \"side-by-side\", \"nibble\", \"pairs16\""),
+            (
+                "wiring",
+                "\"frame\"",
+                "one of \"pixel\", \"line\", \"side-by-side\", \"nibble\", \"pairs16\", \"pairs14\"",
+            ),
             ("first", "\"middle\"", "one of \"left\", \"right\""),
             ("skew", "1", "one of \"none\", \"left\", \"right\""),
             ("width", "31", "a whole number, 32 to 1280 px"),

@@ -49,7 +49,7 @@ use Range::{List, Real, Table as Rows, Whole, Words};
 /// All of them, in the order of the template.
 #[rustfmt::skip]
 pub(crate) const FIELDS: [Field; 31] = [
-    field("wiring", "how the two cameras share the port", Words(&["pixel", "line", "side-by-side", "nibble", "pairs16"]), "", "\"pixel\"", false),
+    field("wiring", "how the two cameras share the port", Words(&["pixel", "line", "side-by-side", "nibble", "pairs16", "pairs14"]), "", "\"pixel\"", false),
     field("first", "the camera that comes first: in time, in the left half, on the low data lines", Words(&["left", "right"]), "", "\"left\"", true),
     field("skew", "the camera whose pixels come one late; with wiring = \"pixel\" only", Words(&["none", "left", "right"]), "", "\"none\"", true),
     field("width", "columns of one view", Whole(32, 1280), "px", "320", false),

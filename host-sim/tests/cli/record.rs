@@ -40,6 +40,24 @@ fn a_dump_in_any_wiring_plays_to_the_maps_of_its_source() {
 }
 
 #[test]
+fn fourteen_lines_leave_seven_bits_of_each_pixel() {
+    let bench = Bench::new();
+    let pair = Pair::shifted(96, 24, 5);
+    let seven = |view: &[u8]| view.iter().map(|pixel| pixel & 0xFE).collect();
+    let less = Pair { left: seven(&pair.left), right: seven(&pair.right), ..pair };
+    for (folder, pair) in [("whole", &pair), ("less", &less)] {
+        bench.write(&format!("{folder}/left/a.png"), encode(&pair.left_image(), ImageFormat::Png));
+        bench.write(&format!("{folder}/right/a.png"), encode(&pair.right_image(), ImageFormat::Png));
+    }
+    bench.succeeds(&format!("play less -o source {SEARCH}"));
+    for first in ["left", "right"] {
+        bench.succeeds(&format!("record --recording whole -o whole.raw --wiring pairs14 --first {first}"));
+        bench.succeeds(&format!("play whole.raw --raw 96x24 --wiring pairs14 --first {first} -o out {SEARCH}"));
+        assert!(bench.read("source/a.pfm") == bench.read("out/000000.pfm"), "{first} first");
+    }
+}
+
+#[test]
 fn the_wrong_wiring_gives_other_maps() {
     let bench = bench_with_recording();
     bench.succeeds("record --recording take -o take.raw --wiring pixel");

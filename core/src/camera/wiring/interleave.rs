@@ -33,6 +33,22 @@ pub(super) fn join_nibbles(raw: &[u8], first: &mut [u8], second: &mut [u8]) {
     by_four(raw, first, second, of_word, |above, below| [above << 4 | below & 0x0F, above & 0xF0 | below >> 4]);
 }
 
+/// Of each two bytes, a little-endian word, the lowest seven bits are the highest of a pixel for `first`, the next seven
+/// those of one for `second`.
+pub(super) fn part_sevens(raw: &[u8], first: &mut [u8], second: &mut [u8]) {
+    const SEVEN: u32 = 0x00FE_00FE;
+    let of_word = |[a, b, c, d, e, f, g, h]: [u8; 8]| {
+        let (low, high) = (u32::from_le_bytes([a, b, c, d]), u32::from_le_bytes([e, f, g, h]));
+        // Of four words of 16 bits the first and the third, and the second and the fourth.
+        let odd = low & 0xFFFF | high << 16;
+        let even = low >> 16 | high & 0xFFFF_0000;
+        let low_lines = odd << 1 & SEVEN | (even << 1 & SEVEN) << 8;
+        let high_lines = odd >> 6 & SEVEN | (even >> 6 & SEVEN) << 8;
+        [low_lines, high_lines].map(u32::to_le_bytes)
+    };
+    by_four(raw, first, second, of_word, |low, high| [low << 1, low >> 6 & 2 | high << 2]);
+}
+
 /// Four pixels of each view from eight bytes by `words`, the rest one by one from two by `bytes`.
 #[inline]
 fn by_four(
@@ -59,6 +75,14 @@ pub(super) fn part_nibbles(first: &[u8], second: &[u8], raw: &mut [u8]) {
     let (pairs, _) = raw.as_chunks_mut::<2>();
     for ((pair, &one), &other) in pairs.iter_mut().zip(first).zip(second) {
         *pair = [one >> 4 | other & 0xF0, one & 0x0F | other << 4];
+    }
+}
+
+/// The inverse of [`part_sevens`].
+pub(super) fn join_sevens(first: &[u8], second: &[u8], raw: &mut [u8]) {
+    let (pairs, _) = raw.as_chunks_mut::<2>();
+    for ((pair, &one), &other) in pairs.iter_mut().zip(first).zip(second) {
+        *pair = (u16::from(one >> 1) | u16::from(other >> 1) << 7).to_le_bytes();
     }
 }
 

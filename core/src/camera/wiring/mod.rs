@@ -35,6 +35,10 @@ pub enum Kind {
     /// Two sensors of 8 bits on a port of 16: a word each pixel clock, the first camera in the low byte,
     /// stored little-endian.
     Pairs16,
+    /// Two sensors on a port of 14 lines: a word of 16 bits each pixel clock, the first camera's highest seven bits in
+    /// the low seven, the second's in the next seven, the rest zero, stored little-endian. The lowest bit of a pixel is
+    /// lost, and comes out as zero.
+    Pairs14,
 }
 
 /// The camera that comes first: in time, in the left half, on the low data lines.
@@ -172,6 +176,7 @@ impl Wiring {
         let (first, second) = self.order(&mut *left, &mut *right);
         match self.kind {
             Kind::Nibbles => interleave::join_nibbles(raw, first, second),
+            Kind::Pairs14 => interleave::part_sevens(raw, first, second),
             _ => interleave::take_apart(raw, first, second),
         }
         match self.late() {
@@ -203,7 +208,7 @@ impl Wiring {
     }
 
     /// The inverse of [`Wiring::unpack`]: what such a port stores of two views. Exact but for the border
-    /// pixel that a [`Skew`] costs.
+    /// pixel that a [`Skew`] costs, and the lowest bit that [`Kind::Pairs14`] has no line for.
     ///
     /// # Errors
     /// If `raw` has not room for twice as many bytes as either view has.
@@ -217,6 +222,7 @@ impl Wiring {
                 copy(other, second);
             }
             Kind::Nibbles => interleave::part_nibbles(first, second, raw),
+            Kind::Pairs14 => interleave::join_sevens(first, second, raw),
             Kind::PixelInterleaved | Kind::Pairs16 => {
                 let late = self.late();
                 let first_is_late =

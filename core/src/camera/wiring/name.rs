@@ -35,7 +35,8 @@ named!(
     LineInterleaved: "line",
     SideBySide: "side-by-side",
     Nibbles: "nibble",
-    Pairs16: "pairs16"
+    Pairs16: "pairs16",
+    Pairs14: "pairs14"
 );
 named!(First, Left: "left", Right: "right");
 named!(Skew, None: "none", Left: "left", Right: "right");
