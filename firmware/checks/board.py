@@ -3,7 +3,7 @@
 builds it for several rigs, plays recordings through sensors, DCMI, DMA and interrupts, and compares what leaves the
 serial ports with what the host makes of the same bytes. Camera faults, a program that hangs and one that crashes too.
 
-usage: firmware/check-board.py [DATA]
+usage: firmware/checks/board.py [DATA]
 
 DATA is the folder with qvga and stereoboard (default: $HAARLINE_DATA or ../shared/data beside the project). Needs pymavlink
 (pip install pymavlink). ARM_TOOLCHAIN names a toolchain with the target thumbv7em-none-eabihf, if the usual one has it not. The
@@ -23,7 +23,7 @@ from verdicts import Failure, expect, run_all
 os.environ["MAVLINK20"] = "1"
 from pymavlink.dialects.v20 import common as mavlink  # noqa: E402
 
-ROOT = Path(__file__).resolve().parents[1]
+ROOT = Path(__file__).resolve().parents[2]
 TARGET = "thumbv7em-none-eabihf"
 TARGET_DIR = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
 # A toolchain of its own has a folder of its own, so that neither builds all anew for the other.
@@ -33,9 +33,20 @@ HAARLINE, EMULATOR = TARGET_DIR / "release" / "haarline", TARGET_DIR / "release"
 
 SCENE, TAKE = "tsukuba", "db1_forward_take01"
 UNKNOWN = 65535
+# Of the row packets' port.
+BAUD = 12_000_000
 # What each fault in the middle of frame 1 leaves in the counters; in a clean run all are 0.
 COUNTERS = ["dropped_rows", "dropped_frames", "overruns", "short", "long", "stalled", "dma_errors"]
 FAULTS = {"short": {"short": 1}, "long": {"long": 1}, "overrun": {"overruns": 1}, "stall": {"stalled": 1}, "garbage": {}}
+# What the log says of mistakes in the wires.
+MISTAKES = {
+    "another:2": r"sensor 2 is no MT9V034 but model 0x1313",
+    "no-master-clock": r"no answer from sensor 1 .*check its wires, its supply and its master clock",
+    "no-pixel-clock": r"camera: silent",
+    "no-crystal": r"the crystal does not start: running by the chip's own oscillator",
+}
+# Frames a second of the reference rig.
+REFERENCE_RATE = 30
 
 
 def run(*command, **options):
@@ -54,6 +65,7 @@ class Rig:
 
     def __init__(self, folder, name, text, **changes):
         self.name, self.folder = name, folder / name
+        self.sensor = "mt9v034" if changes.get("wiring") == '"pairs14"' else "hm01b0"
         self.folder.mkdir()
         for field, value in changes.items():
             text = re.sub(rf"^{field} = .*$", f"{field} = {value}", text, flags=re.M)
@@ -89,7 +101,7 @@ class Emulated:
         self.rig, out = rig, rig.folder / name
         out.mkdir()
         self.told = run(EMULATOR, rig.elf, "--raw", rig.dump, "--size", f"{rig.width}x{rig.height}", "--frames", frames,
-                        "--rows", out / "rows", "--mavlink", out / "mavlink", "--log", out / "log", *options)
+                        "--sensor", rig.sensor, "--rows", out / "rows", "--mavlink", out / "mavlink", "--log", out / "log", *options)
         self.rows, self.log = (out / "rows").read_bytes(), (out / "log").read_text()
         self.mavlink = decode((out / "mavlink").read_bytes())
         run(HAARLINE, "receive", out / "rows", "-o", out / "maps")
@@ -97,8 +109,9 @@ class Emulated:
         with open(out / "maps" / "frames.csv", newline="") as file:
             table = list(csv.DictReader(file))
         self.counters, self.numbers = table[-1], [int(line["frame"]) for line in table]
-        self.says("sensor 1: HM01B0 set up")
-        self.says("sensor 2: HM01B0 set up")
+        # Two HM01B0 are set up as one.
+        for number in [1, 2] if rig.sensor == "mt9v034" else [1]:
+            self.says(f"sensor {number}: {rig.sensor.upper()} set up")
         if "bytes that are no log" in self.log:
             raise Failure(f"the log does not decode:\n{self.log}")
 
@@ -160,18 +173,26 @@ def self_test(rig):
 
 
 def scene(rig):
-    first = rig.emulate("scene", 6)
-    first.clean(6)
-    second = rig.emulate("again", 6)
+    frames = 2 * rig.rate
+    first = rig.emulate("scene", frames)
+    first.clean(frames)
+    second = rig.emulate("again", frames)
     expect("two runs send the same bytes", first.rows == second.rows, True)
-    expect("bits of the sensors", re.search(r"bits of the sensors: (.*)", first.told)[1], "8 and 8")
+    expect("bits of the sensors", re.search(r"bits of the sensors: (.*)", first.told)[1], "7 and 7")
     for pattern in [r"started by power", r"frames \d+, rows \d+; lost rows 0, .* silences 0", r"cycles: unpack \d+, features",
                     r"asleep \d\d? percent, stack at most \d+ B"]:
         if not re.search(pattern, first.log):
             raise Failure(f"the log has no {pattern!r}:\n{first.log}")
     beats = [message for message in first.mavlink if message.get_type() == "HEARTBEAT"]
-    expect("heartbeats", [beat.system_status for beat in beats], [mavlink.MAV_STATE_ACTIVE] * (6 // rig.rate))
-    return re.search(r"asleep .*", first.log)[0]
+    expect("heartbeats", [beat.system_status for beat in beats], [mavlink.MAV_STATE_ACTIVE] * len(beats))
+    if not beats:
+        raise Failure("no heartbeat came")
+    latency = re.search(r"from the end of the integration to the last row's packet at most (.*) ms", first.told)
+    bytes_a_second = len(first.rows) * rig.rate // frames
+    busy = 100 * 10 * bytes_a_second // BAUD
+    if busy > 80:
+        raise Failure(f"the row packets take {busy} percent of the wire")
+    return f"{rig.rate} frames a second, {re.findall(r'asleep .*', first.log)[-1]}, {latency[1]} ms from exposure to the last row, wire {busy} percent busy"
 
 
 def rover(rig):
@@ -226,6 +247,25 @@ def silent(rig):
     return complaint[0]
 
 
+def nak(rig):
+    emulated = rig.emulate("nak", 3, "--fault", "nak")
+    if "ERROR" in emulated.log or "error" in emulated.log:
+        raise Failure(f"a sensor that is slow after its reset is complained of:\n{emulated.log}")
+    emulated.maps_as_on_the_host({f"{number:06}": number for number in range(3)})
+    return ""
+
+
+def mistaken(rig, mistake, words):
+    """A mistake in the wires is named, and the program goes on."""
+    log = rig.folder / f"{mistake}.log"
+    run(EMULATOR, rig.elf, "--raw", rig.dump, "--size", f"{rig.width}x{rig.height}", "--sensor", rig.sensor,
+        "--frames", 4, "--limit", 1500, "--wires", mistake, "--log", log)
+    found = re.search(words, log.read_text())
+    if not found:
+        raise Failure(f"the log does not say {words!r}:\n{log.read_text()}")
+    return found[0]
+
+
 def struck(rig, kind, frames, words):
     """A program that hangs or crashes in frame 1 is started anew, and then all is as it was."""
     emulated = rig.emulate(kind, frames, "--fault", f"{kind}@1")
@@ -264,9 +304,9 @@ def checks(data, folder):
     run(HAARLINE, "rig", "new", template)
     template = template.read_text()
 
-    plain = Rig(folder, "scene", template)
+    plain = Rig(folder, "scene", template, wiring='"pairs14"', frame_rate_hz=REFERENCE_RATE)
     views = [data / "qvga" / SCENE / f"{view}.png" for view in ["left", "right"]]
-    run(HAARLINE, "record", *views, "--wiring", "pixel", "-o", plain.dump)
+    run(HAARLINE, "record", *views, "--wiring", "pairs14", "-o", plain.dump)
 
     ground = Rig(folder, "rover", template, wiring='"nibble"', row_offset=2, exposure_lines=120, frame_rate_hz=4)
     run(HAARLINE, "demo", "--scene", "rover", "-o", ground.folder / "demo")
@@ -275,12 +315,12 @@ def checks(data, folder):
     ground.dump.write_bytes(displaced((ground.folder / "pixel.raw").read_bytes(), ground, 2, "nibble"))
 
     stereoboard = (ROOT / "tests" / "stereoboard.toml").read_text() + "frame_rate_hz = 10\n"
-    take = Rig(folder, "take", stereoboard, wiring='"pixel"')
+    take = Rig(folder, "take", stereoboard, wiring='"pairs14"', exposure_lines=40, frame_rate_hz=30)
     lite = Rig(folder, "lite", stereoboard, wiring='"pixel"', row_offset=-1, frame_rate_hz=15)
     lite.method = "lite"
-    for rig in [take, lite]:
+    for rig, wiring in [(take, "pairs14"), (lite, "pixel")]:
         run(HAARLINE, "record", "--recording", data / "stereoboard" / TAKE, "--layout", "side-by-side", "--first", "right",
-            "--frames", "60..72", "--wiring", "pixel", "-o", rig.dump)
+            "--frames", "60..72", "--wiring", wiring, "-o", rig.dump)
 
     bare = Rig(folder, "bare", template)
     bare.build("selftest")
@@ -288,15 +328,18 @@ def checks(data, folder):
         rig.build()
         rig.host()
     yield "self test: every method's checksum is the host's", lambda: self_test(bare)
-    yield f"scene {SCENE}, 320x240, twice: maps, obstacles, log", lambda: scene(plain)
-    yield "rover, nibbles, two rows displaced: maps, the post", lambda: rover(ground)
-    yield f"recording {TAKE}: maps, obstacles", lambda: recording(take)
-    yield f"recording {TAKE}, lite: maps, obstacles", lambda: recording(lite)
+    yield f"two MT9V034, scene {SCENE}, 320x240, twice: maps, obstacles, log", lambda: scene(plain)
+    yield "two HM01B0, rover, nibbles, two rows displaced: maps, the post", lambda: rover(ground)
+    yield f"two MT9V034, recording {TAKE}: maps, obstacles", lambda: recording(take)
+    yield f"two HM01B0, recording {TAKE}, lite: maps, obstacles", lambda: recording(lite)
     for rig in [plain, take]:
         for kind in FAULTS:
             name = f"fault {kind}, {rig.width}x{rig.height}: counted, and the other frames as without it"
             yield name, lambda r=rig, k=kind: fault(r, k)
     yield "no sensor answers for 300 ms: told, and all is well after", lambda: silent(plain)
+    yield "no sensor answers for 300 ms after its reset: waited for", lambda: nak(plain)
+    for mistake, words in MISTAKES.items():
+        yield f"{mistake}: named", lambda m=mistake, w=words: mistaken(take, m, w)
     yield "the program hangs: the watchdog starts it anew", lambda: struck(
         take, "hang", 40, ["by the watchdog", "started by the watchdog: the vision task stood still"])
     yield "the program crashes: it starts anew", lambda: struck(

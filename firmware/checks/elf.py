@@ -2,7 +2,7 @@
 """Shows that a linked program has a vector table, how much memory it takes, and that the core's pipeline in it has no
 floating-point instruction and no reachable panic.
 
-usage: firmware/check-elf.py ELF [MOST_PANICS]
+usage: firmware/checks/elf.py ELF [MOST_PANICS]
 
 MOST_PANICS (0 unless told) is how many kinds of panics may be reachable: each is a check of a bound that the compiler could
 not prove.

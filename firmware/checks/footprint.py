@@ -2,7 +2,7 @@
 """Prints as Markdown what each method takes at 320 px and 48 disparities: flash is `.text + .rodata` of a program with one
 method less the same with one that does nothing; RAM is its state and how deep its pushes need the stack, counted alike.
 
-usage: firmware/footprint.py [METHOD...]
+usage: firmware/checks/footprint.py [METHOD...]
 
 Needs cargo, the target thumbv7em-none-eabihf and qemu-system-arm.
 """
@@ -13,7 +13,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 METHODS = ["lite", "full", "block", "sgm"]
 TARGET = "thumbv7em-none-eabihf"
 BUILD = ["cargo", "build", "--quiet", "-p", "haarline-firmware", "--profile", "firmware", "--target", TARGET,

@@ -2,8 +2,8 @@
 """Prints as Markdown what every method executes on the emulated chip, per pixel and stage, clean and at noise 10, and
 the paper's Table 1 on the chip: wavelet-block against block.
 
-usage: firmware/table.py HAARLINE ELF SCENES_DIR [SCENE...]
-       firmware/table.py HAARLINE ELF SCENES_DIR --most METHOD[@NOISE]=INSTRUCTIONS...
+usage: firmware/checks/table.py HAARLINE ELF SCENES_DIR [SCENE...]
+       firmware/checks/table.py HAARLINE ELF SCENES_DIR --most METHOD[@NOISE]=INSTRUCTIONS...
 
 With --most it only checks that a method's mean over four scenes at 48 disparities is not more, clean or at that noise;
 INSTRUCTIONS may be a share of another method's on the same frames: 0.5*block.

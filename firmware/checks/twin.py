@@ -2,7 +2,7 @@
 """Shows that the application on the emulated chip does what it shall: the host's bytes, the same counts in every run,
 no harm from any fault of the camera beyond the frame it hits, and nothing that grows with time.
 
-usage: firmware/check-twin.py HAARLINE ELF DATA
+usage: firmware/checks/twin.py HAARLINE ELF DATA
 
 HAARLINE is the host's program, ELF the twin (cargo twin), DATA the folder with qvga and stereoboard.
 """
@@ -99,7 +99,7 @@ def recording(twin):
 
 def rig(twin, row_offset):
     """The recording's own rig: offsets, and obstacles whose angles the chip works out."""
-    text = (Path(__file__).parents[1] / "tests" / "stereoboard.toml").read_text()
+    text = (Path(__file__).parents[2] / "tests" / "stereoboard.toml").read_text()
     path = twin.folder / f"rig_{row_offset}.toml"
     path.write_text(text.replace("row_offset = 0", f"row_offset = {row_offset}"))
     told = twin.run("--recording", twin.take, "--layout", "side-by-side", "--first", "right", "--method", "lite", "--rig", path)
@@ -133,6 +133,12 @@ def wiring(twin, name):
     expect("the wiring", [told["wiring"], told["first"]], [name, "right"])
     if found != twin.side_by_side[1]:
         raise Failure("the map is another than side by side")
+    return ""
+
+
+def seven_bits(twin):
+    told = twin.run(*twin.scene(LOW_SCENE, "lite"), "--wiring", "pairs14")
+    expect("maps unlike the host's", told["different_frames"], [])
     return ""
 
 
@@ -202,6 +208,7 @@ def checks(twin):
     yield "an386 and an500: the same map and counts", lambda: machines(twin)
     for name in WIRINGS:
         yield f"wiring {name}: the same map", lambda n=name: wiring(twin, n)
+    yield "wiring pairs14: the host's map at seven bits", lambda: seven_bits(twin)
     for camera in ["left", "right"]:
         yield f"skew {camera}: the host's map", lambda c=camera: skew(twin, c)
     for kind in FAULTS:

@@ -1,33 +1,19 @@
 //! The application, and what the programs of this package share.
 //!
-//! Three tasks and two rings of rows between them: `capture` takes what the camera delivers and is
-//! never blocked, `vision` runs the stereo method and looks for obstacles, `results` sends the disparity rows
-//! off; on a board `autopilot` tells of the obstacles. Boards and the emulated machine differ in the two edges
-//! only, `edge::RowSource` and `edge::PacketSink`.
+//! `app` is the application: three tasks and two rings of rows between them, which know no chip. `capture` takes
+//! what the camera delivers and is never blocked, `vision` runs the stereo method and looks for obstacles,
+//! `results` sends the disparity rows off; `autopilot` tells of the obstacles. `sensor` has a file for each image
+//! sensor, by its registers. `board` has a folder for each board: pins, clocks, DMA, interrupts. Boards and the
+//! emulated machine differ in the two edges only, `app::edge::RowSource` and `app::edge::PacketSink`.
 #![cfg_attr(not(test), no_std)]
 
-pub mod hm01b0;
-pub mod picture;
-pub mod port;
-pub mod selftest;
-
+pub mod app;
 #[cfg(target_os = "none")]
-pub mod autopilot;
-#[cfg(target_os = "none")]
-pub mod capture;
-#[cfg(target_os = "none")]
-pub mod edge;
-#[cfg(all(target_os = "none", feature = "board-h743"))]
-pub mod h743;
-#[cfg(target_os = "none")]
-pub mod lookout;
-#[cfg(target_os = "none")]
-pub mod results;
+pub mod board;
+pub mod bringup;
 #[cfg(target_os = "none")]
 pub mod rig;
-#[cfg(target_os = "none")]
-pub mod ring;
+pub mod selftest;
+pub mod sensor;
 #[cfg(target_os = "none")]
 pub mod stack;
-#[cfg(target_os = "none")]
-pub mod vision;

@@ -1,6 +1,8 @@
 //! How deep the stack went: it is painted, and later looked at.
 
 const PAINT: u32 = 0xA5A5_5A5A;
+/// Bytes at its end that nobody may touch, where a board has a guard: a power of two, at an address that it divides.
+pub const GUARD: usize = 256;
 /// Left alone below the frame that paints, bytes.
 const SPARE: usize = 64;
 
@@ -10,9 +12,16 @@ unsafe extern "C" {
     static mut _stack_start: u32;
 }
 
-/// Lowest and highest address of the stack.
+/// The guard's address.
+#[must_use]
+pub fn guard() -> usize {
+    (&raw mut _stack_end).addr().next_multiple_of(GUARD)
+}
+
+/// Lowest and highest address of the stack, the guard left out.
 fn bounds() -> (*mut u32, *mut u32) {
-    (&raw mut _stack_end, &raw mut _stack_start)
+    let end = &raw mut _stack_end;
+    (end.wrapping_byte_add(guard() + GUARD - end.addr()), &raw mut _stack_start)
 }
 
 /// Bytes that there are for it.

@@ -9,7 +9,7 @@
 //! - [`output`]: files and pictures;
 //! - [`score`]: scenes with truth, how right a map is, what the parts of a method bring; frames made worse on purpose;
 //!   [`study`]: the paper's experiments;
-//! - [`twin`]: the firmware application in QEMU;
+//! - [`twin`]: the firmware application in QEMU; [`silicon`]: the methods on a bare board;
 //! - [`command`]: the commands of the `haarline` tool.
 #![allow(
     clippy::cast_possible_truncation,
@@ -24,6 +24,7 @@ pub mod output;
 pub mod play;
 pub mod rig;
 pub mod score;
+pub mod silicon;
 pub mod stereo;
 pub mod study;
 pub mod synthetic;

@@ -7,8 +7,8 @@ use embassy_time::{Duration, Ticker};
 use haarline::setup::Reach;
 use haarline_telemetry::{LEAST_FRAMES_IN_10_S, Link, State};
 
-use crate::edge::PacketSink;
-use crate::lookout::Sighting;
+use crate::app::edge::PacketSink;
+use crate::app::lookout::Sighting;
 
 /// Where the newest sighting waits: an older one that nobody took is of no use.
 pub type Sightings<const SECTORS: usize> = Signal<CriticalSectionRawMutex, Sighting<SECTORS>>;

@@ -4,8 +4,8 @@ use embassy_futures::yield_now;
 use embassy_time::{Duration, Instant, with_timeout};
 use haarline::framing::{CameraEvent, Framing, Place, Step};
 
-use crate::edge::{RowSource, SourceEvent};
-use crate::ring::{MAX_RAW, RawKind, RawRow, SharedCounters, To};
+use crate::app::edge::{RowSource, SourceEvent};
+use crate::app::ring::{MAX_RAW, RawKind, RawRow, SharedCounters, To};
 
 /// How long a camera may deliver nothing until it counts as silent.
 #[derive(Debug, Clone, Copy)]

@@ -47,6 +47,8 @@ pub trait PortRegisters {
     fn sync(&self) -> Sync;
     /// Where in the ring DMA stores next, words.
     fn ring_position(&self) -> u32;
+    /// Waits for a small part of a microsecond.
+    fn wait(&mut self);
     /// Stops storing.
     fn stop(&mut self);
     /// Throws away what the port holds, and stores from the next frame's start on.
@@ -87,6 +89,10 @@ pub trait Events {
 /// Most rows that wait for an interrupt which is not late. The ring must have room for them, for one under
 /// way, and for as many as the queue of events takes.
 const MAX_LATE: u32 = 3;
+
+/// Looks at DMA, each after a wait, until the words of a line that has ended must have been stored: ten microseconds or so.
+/// At the end of a line the last ones are still on their way, through the port's and the DMA's own memories.
+const LOOKS: u32 = 100;
 
 /// Places that are kept for an overrun and a DMA error: both must be told.
 const KEPT: usize = 2;
@@ -160,15 +166,27 @@ impl Port {
         self.stored = self.stored.wrapping_add(came);
     }
 
+    /// Follows DMA until it has stored whole rows, while the camera stays between lines; where the camera is then.
+    fn follow_to_row(&mut self, registers: &mut impl PortRegisters) -> Sync {
+        for _ in 0..LOOKS {
+            // In this order: what is stored after a look at the signals is not of an earlier line.
+            let sync = registers.sync();
+            self.follow(registers);
+            if sync == Sync::InLine || self.state == State::OutOfStep || self.pending().is_multiple_of(self.row) {
+                return sync;
+            }
+            registers.wait();
+        }
+        registers.sync()
+    }
+
     /// Words since the last row.
     fn pending(&self) -> u32 {
         self.stored.wrapping_sub(self.begin)
     }
 
     fn end_line(&mut self, registers: &mut impl PortRegisters, events: &mut impl Events) {
-        // In this order: what is stored after a look at the signals is not of an earlier line.
-        let sync = registers.sync();
-        self.follow(registers);
+        let sync = self.follow_to_row(registers);
         if self.pending() > MAX_LATE * self.row {
             self.give_up(registers, events);
         } else if sync == Sync::InLine {
@@ -198,8 +216,7 @@ impl Port {
     }
 
     fn end_frame(&mut self, has_line: bool, registers: &mut impl PortRegisters, events: &mut impl Events) {
-        let sync = registers.sync();
-        self.follow(registers);
+        let sync = self.follow_to_row(registers);
         if sync != Sync::BetweenFrames || self.pending() > MAX_LATE * self.row {
             self.give_up(registers, events);
             return;

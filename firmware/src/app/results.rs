@@ -3,8 +3,8 @@
 use haarline::packet::{Encoder, FrameEnd, PacketError, max_bytes};
 use haarline::{DisparityRow, Stage};
 
-use crate::edge::{PacketSink, WorkClock};
-use crate::ring::{From, MAX_WIDTH, ResultKind, ResultRows};
+use crate::app::edge::{PacketSink, WorkClock};
+use crate::app::ring::{From, MAX_WIDTH, ResultKind, ResultRows};
 
 /// Room for the packet of the widest row.
 #[expect(clippy::cast_possible_truncation, reason = "a few hundred columns")]

@@ -4,9 +4,9 @@ use haarline::framing::Place;
 use haarline::packet::FrameEnd;
 use haarline::{DisparityRow, Stage, StereoMethod, Wiring};
 
-use crate::edge::{Work, WorkClock};
-use crate::lookout::{Lookout, Sighting};
-use crate::ring::{From, MAX_WIDTH, RawKind, RawRow, ResultKind, ResultRows, SharedCounters, To};
+use crate::app::edge::{Work, WorkClock};
+use crate::app::lookout::{Lookout, Sighting};
+use crate::app::ring::{From, MAX_WIDTH, RawKind, RawRow, ResultKind, ResultRows, SharedCounters, To};
 
 /// Runs the stereo method over what comes until there is no more, and looks for obstacles where a `lookout` is
 /// given. Where nobody takes the results in time their frame is dropped as a whole, and counted.

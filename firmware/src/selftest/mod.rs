@@ -1,8 +1,10 @@
 //! The self test: what a method makes of the built-in picture, in one number.
 
+pub mod picture;
+
 use haarline::{Config, DisparityRow, ScanlinePair, Stage, StageClock, StereoMethod, blocks_for};
 
-use crate::picture::{RAW, WIDTH, WIRING};
+use picture::{RAW, WIDTH, WIRING};
 
 /// Disparities searched.
 pub const DISPARITIES: usize = 32;

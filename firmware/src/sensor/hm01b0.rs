@@ -1,10 +1,10 @@
-//! The sensor HM01B0 by its registers, whatever bus they are behind.
+//! The sensor HM01B0 by its registers, named as in its data sheet; how it is set up follows its known public drivers.
 //!
-//! Names are those of the datasheet. The settings: the window of 324x244 px, a frame for each pulse on
-//! the trigger pin, 4 or 8 data lines, binning and motion detection off.
+//! The settings: the window of 324x244 px, frame after frame, 4 or 8 data lines, binning and motion detection off.
+//! Values of analog registers and of the black level are those that OpenMV's driver gives them.
 
-/// The sensor's address on I2C; it has only this one, so two sensors need two buses.
-pub const ADDRESS: u8 = 0x24;
+use crate::sensor::{Bus, Sensor, Setting};
+
 /// Columns and lines of the window, border and all.
 pub const WINDOW: [u16; 2] = [324, 244];
 
@@ -22,58 +22,56 @@ const FRAME_LENGTH_LINES_H: u16 = 0x0340;
 const FRAME_LENGTH_LINES_L: u16 = 0x0341;
 const LINE_LENGTH_PCK_H: u16 = 0x0342;
 const LINE_LENGTH_PCK_L: u16 = 0x0343;
+const READOUT_X: u16 = 0x0383;
+const READOUT_Y: u16 = 0x0387;
 const BINNING_MODE: u16 = 0x0390;
+const TEST_PATTERN_MODE: u16 = 0x0601;
 const AE_CTRL: u16 = 0x2100;
 const MAX_INTG_H: u16 = 0x2105;
 const MAX_INTG_L: u16 = 0x2106;
 const QVGA_WIN_EN: u16 = 0x3010;
 const BIT_CONTROL: u16 = 0x3059;
 const OSC_CLK_DIV: u16 = 0x3060;
+const VSYNC_HSYNC_PIXEL_SHIFT_EN: u16 = 0x1012;
+const IO_AND_PCLK: u16 = 0x3067;
+const PCLK_POLARITY: u16 = 0x3068;
 
-const MODEL: u16 = 0x01B0;
-/// `MODE_SELECT`: a frame for each pulse on the trigger pin.
-const HARDWARE_TRIGGER: u8 = 0x05;
+/// `MODE_SELECT`: frame after frame.
+const STREAMING: u16 = 0x01;
+/// `PCLK_POLARITY`: pixels are valid at the rising edge.
+const RISING: u16 = 0x20;
+/// `TEST_PATTERN_MODE`: a one that walks over the data lines.
+const WALKING_ONE: u16 = 0x11;
 /// `OSC_CLK_DIV`: registers at the master clock.
-const REGISTERS_WHOLE: u8 = 0b10 << 2;
+const REGISTERS_WHOLE: u16 = 0b10 << 2;
 /// `OSC_CLK_DIV`: of a pixel in several parts the high one comes first.
-const MSB_FIRST: u8 = 1 << 4;
+const MSB_FIRST: u16 = 1 << 4;
 
-/// The registers that hold an exposure, in the order in which they are copied.
-const EXPOSURE: [u16; 5] = [INTEGRATION_H, INTEGRATION_L, ANALOG_GAIN, DIGITAL_GAIN_H, DIGITAL_GAIN_L];
-
-/// The registers of one sensor.
-pub trait Registers {
-    /// Why an access failed.
-    type Error;
-
-    /// Writes a register.
-    ///
-    /// # Errors
-    /// If the sensor does not answer.
-    fn write(&mut self, register: u16, value: u8) -> Result<(), Self::Error>;
-
-    /// Reads a register.
-    ///
-    /// # Errors
-    /// If the sensor does not answer.
-    fn read(&mut self, register: u16) -> Result<u8, Self::Error>;
-}
-
-/// Why a sensor cannot be used.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(target_os = "none", derive(defmt::Format))]
-pub enum SensorError<E> {
-    /// It does not answer.
-    Silent(E),
-    /// Another model answers.
-    Model(u16),
-}
-
-impl<E> From<E> for SensorError<E> {
-    fn from(error: E) -> Self {
-        Self::Silent(error)
-    }
-}
+/// Registers whose meaning is not public or does not matter here, as the known drivers write them: black level, digital
+/// signal path, analog part, synchronisation.
+const AS_KNOWN: [(u16, u16); 21] = [
+    (0x1000, 0x43),
+    (0x1001, 0x40),
+    (0x1002, 0x32),
+    (0x1003, 0x08),
+    (0x1006, 0x01),
+    (0x1007, 0x08),
+    (0x1008, 0x00),
+    (0x0350, 0x7F),
+    (0x3011, 0x70),
+    (0x3044, 0x0A),
+    (0x3045, 0x00),
+    (0x3047, 0x0A),
+    (0x3050, 0xC0),
+    (0x3051, 0x42),
+    (0x3052, 0x50),
+    (0x3053, 0x00),
+    (0x3054, 0x03),
+    (0x3055, 0xF7),
+    (0x3056, 0xF8),
+    (0x3057, 0x29),
+    (0x3058, 0x1F),
+];
 
 /// Data lines that are in use.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -86,7 +84,7 @@ pub enum Lines {
 
 impl Lines {
     /// `BIT_CONTROL`.
-    const fn register(self) -> u8 {
+    const fn register(self) -> u16 {
         match self {
             Self::Eight => 0x02,
             Self::Four => 0x42,
@@ -120,7 +118,7 @@ impl Clock {
     }
 
     /// `OSC_CLK_DIV`, its lowest bits.
-    const fn register(self) -> u8 {
+    const fn register(self) -> u16 {
         match self {
             Self::Whole => 0b11,
             Self::Half => 0b10,
@@ -132,7 +130,7 @@ impl Clock {
 
 /// How a sensor is set up.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Settings {
+pub struct Setup {
     /// Data lines in use.
     pub lines: Lines,
     /// The pixel clock.
@@ -150,169 +148,105 @@ pub enum Exposure {
     Own,
     /// Nobody: an integration time of that many lines.
     Fixed(u16),
-    /// Another sensor, whose exposure is copied by [`ExposureCopy`].
+    /// Another sensor, whose exposure is copied.
     Copied,
 }
 
 /// Lines of a frame with its blanking, in the window.
 pub const FRAME_LENGTH: u16 = 0x0104;
 
-/// Sets a sensor up; it then waits for its trigger.
-///
-/// # Errors
-/// If it does not answer, or is another model.
-pub fn set_up<R: Registers>(sensor: &mut R, settings: Settings) -> Result<(), SensorError<R::Error>> {
-    let model = u16::from_be_bytes([sensor.read(MODEL_ID_H)?, sensor.read(MODEL_ID_L)?]);
-    if model != MODEL {
-        return Err(SensorError::Model(model));
-    }
-    sensor.write(SW_RESET, 0)?;
-    let [line_h, line_l] = settings.line_length.to_be_bytes();
-    let [frame_h, frame_l] = FRAME_LENGTH.to_be_bytes();
-    // With a longer integration it leaves frames out.
-    let [longest_h, longest_l] = (FRAME_LENGTH - 2).to_be_bytes();
-    let registers = [
-        (BIT_CONTROL, settings.lines.register()),
-        (OSC_CLK_DIV, MSB_FIRST | REGISTERS_WHOLE | settings.clock.register()),
-        (QVGA_WIN_EN, 1),
-        (BINNING_MODE, 0),
-        (LINE_LENGTH_PCK_H, line_h),
-        (LINE_LENGTH_PCK_L, line_l),
-        (FRAME_LENGTH_LINES_H, frame_h),
-        (FRAME_LENGTH_LINES_L, frame_l),
-        (MAX_INTG_H, longest_h),
-        (MAX_INTG_L, longest_l),
-        (AE_CTRL, u8::from(settings.exposure == Exposure::Own)),
+/// The sensor.
+pub enum Hm01b0 {}
+
+impl Sensor for Hm01b0 {
+    const NAME: &'static str = "HM01B0";
+    // Others are possible by its registers 0x3400 and 0x3401 only.
+    const ADDRESSES: &'static [u8] = &[0x24];
+    const IDENTITY: u16 = 0x01B0;
+    const RESET_MS: u32 = 1;
+    const SILENT_MS: u32 = 500;
+    const EXPOSURE: &'static [(u16, u16)] = &[
+        (INTEGRATION_H, INTEGRATION_H),
+        (INTEGRATION_L, INTEGRATION_L),
+        (ANALOG_GAIN, ANALOG_GAIN),
+        (DIGITAL_GAIN_H, DIGITAL_GAIN_H),
+        (DIGITAL_GAIN_L, DIGITAL_GAIN_L),
     ];
-    for (register, value) in registers {
-        sensor.write(register, value)?;
-    }
-    if let Exposure::Fixed(lines) = settings.exposure {
-        let [high, low] = lines.to_be_bytes();
-        sensor.write(INTEGRATION_H, high)?;
-        sensor.write(INTEGRATION_L, low)?;
-        sensor.write(GRP_PARAM_HOLD, 1)?;
-    }
-    sensor.write(MODE_SELECT, HARDWARE_TRIGGER)?;
-    Ok(())
-}
+    type Setup = Setup;
 
-/// Copies the exposure from one sensor to the other, a register a call, so that nobody waits long.
-#[derive(Debug, Clone, Default)]
-pub struct ExposureCopy {
-    values: [u8; EXPOSURE.len()],
-    step: usize,
-}
+    fn write<B: Bus>(bus: &mut B, address: u8, register: u16, value: u16) -> Result<(), B::Error> {
+        let ([high, low], [_, value]) = (register.to_be_bytes(), value.to_be_bytes());
+        bus.write(address, &[high, low, value])
+    }
 
-impl ExposureCopy {
-    /// Takes the next step; whether it was the last one: the other sensor then exposes alike from its next
-    /// frame on.
-    ///
-    /// # Errors
-    /// If a sensor does not answer; the copy then begins anew.
-    pub fn step<R: Registers>(&mut self, from: &mut R, to: &mut R) -> Result<bool, R::Error> {
-        let step = core::mem::take(&mut self.step);
-        let done = match (self.values.get_mut(step), EXPOSURE.get(step)) {
-            (Some(value), Some(&register)) => {
-                *value = from.read(register)?;
-                false
-            }
-            _ => {
-                let nth = step - EXPOSURE.len();
-                match (EXPOSURE.get(nth), self.values.get(nth)) {
-                    (Some(&register), Some(&value)) => to.write(register, value)?,
-                    // What was written holds from the next frame on, all at once.
-                    _ => to.write(GRP_PARAM_HOLD, 1)?,
-                }
-                nth >= EXPOSURE.len()
-            }
+    fn read<B: Bus>(bus: &mut B, address: u8, register: u16) -> Result<u16, B::Error> {
+        let mut value = [0];
+        bus.write_read(address, &register.to_be_bytes(), &mut value)?;
+        Ok(u16::from(value[0]))
+    }
+
+    fn identity<B: Bus>(bus: &mut B, address: u8) -> Result<u16, B::Error> {
+        Ok(Self::read(bus, address, MODEL_ID_H)? << 8 | Self::read(bus, address, MODEL_ID_L)?)
+    }
+
+    fn reset() -> Setting {
+        Setting::command(SW_RESET, 0)
+    }
+
+    fn settings(setup: Setup) -> impl Iterator<Item = Setting> {
+        let Setup { lines, clock, line_length, exposure } = setup;
+        let halves = |value: u16| value.to_be_bytes().map(u16::from);
+        let [line_h, line_l] = halves(line_length);
+        let [frame_h, frame_l] = halves(FRAME_LENGTH);
+        // With a longer integration it leaves frames out.
+        let [longest_h, longest_l] = halves(FRAME_LENGTH - 2);
+        let fixed = match exposure {
+            Exposure::Fixed(lines) => halves(lines).map(Some),
+            Exposure::Own | Exposure::Copied => [None; 2],
         };
-        self.step = if done { 0 } else { step + 1 };
-        Ok(done)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use std::collections::BTreeMap;
-
-    #[derive(Default)]
-    struct Fake {
-        registers: BTreeMap<u16, u8>,
-        /// Accesses until it falls silent.
-        answers: usize,
-    }
-
-    impl Fake {
-        fn sensor(answers: usize) -> Self {
-            Self { registers: [(MODEL_ID_H, 0x01), (MODEL_ID_L, 0xB0)].into(), answers }
-        }
-        fn answer(&mut self) -> Result<(), ()> {
-            self.answers = self.answers.checked_sub(1).ok_or(())?;
-            Ok(())
-        }
-    }
-
-    impl Registers for Fake {
-        type Error = ();
-        fn write(&mut self, register: u16, value: u8) -> Result<(), ()> {
-            self.answer()?;
-            self.registers.insert(register, value);
-            Ok(())
-        }
-        fn read(&mut self, register: u16) -> Result<u8, ()> {
-            self.answer()?;
-            Ok(self.registers.get(&register).copied().unwrap_or(0))
-        }
+        let settings = [
+            // The master clock is the one on its pin.
+            (IO_AND_PCLK, 0),
+            (PCLK_POLARITY, RISING),
+            (0x3064, 0x00),
+            (0x3065, 0x04),
+            (VSYNC_HSYNC_PIXEL_SHIFT_EN, 0x01),
+            (READOUT_X, 0x01),
+            (READOUT_Y, 0x01),
+            (BIT_CONTROL, lines.register()),
+            (OSC_CLK_DIV, MSB_FIRST | REGISTERS_WHOLE | clock.register()),
+            (QVGA_WIN_EN, 1),
+            (BINNING_MODE, 0),
+            (TEST_PATTERN_MODE, 0),
+            (LINE_LENGTH_PCK_H, line_h),
+            (LINE_LENGTH_PCK_L, line_l),
+            (FRAME_LENGTH_LINES_H, frame_h),
+            (FRAME_LENGTH_LINES_L, frame_l),
+            (MAX_INTG_H, longest_h),
+            (MAX_INTG_L, longest_l),
+            (AE_CTRL, u16::from(exposure == Exposure::Own)),
+        ];
+        let integration = [INTEGRATION_H, INTEGRATION_L].into_iter().zip(fixed);
+        let integration = integration.filter_map(|(register, value)| Some((register, value?)));
+        AS_KNOWN.into_iter().chain(settings).chain(integration).map(|(register, value)| Setting::kept(register, value))
     }
 
-    const SETTINGS: Settings =
-        Settings { lines: Lines::Four, clock: Clock::Quarter, line_length: 500, exposure: Exposure::Fixed(0x0102) };
-
-    #[test]
-    fn the_trigger_is_armed_last_and_only_if_every_register_was_taken() {
-        let mut whole = Fake::sensor(usize::MAX);
-        assert_eq!(set_up(&mut whole, SETTINGS), Ok(()));
-        let accesses = usize::MAX - whole.answers;
-        assert_eq!(whole.registers[&MODE_SELECT], HARDWARE_TRIGGER);
-        assert_eq!([INTEGRATION_H, INTEGRATION_L, AE_CTRL].map(|r| whole.registers[&r]), [1, 2, 0]);
-        assert_eq!([LINE_LENGTH_PCK_H, LINE_LENGTH_PCK_L].map(|r| whole.registers[&r]), [1, 0xF4]);
-        assert_eq!([BIT_CONTROL, OSC_CLK_DIV].map(|r| whole.registers[&r]), [0x42, 0b1_1001]);
-        for answers in 0..accesses {
-            let mut sensor = Fake::sensor(answers);
-            assert_eq!(set_up(&mut sensor, SETTINGS), Err(SensorError::Silent(())));
-            assert!(!sensor.registers.contains_key(&MODE_SELECT), "armed after {answers} accesses");
-        }
+    fn latch() -> Option<Setting> {
+        Some(Setting::command(GRP_PARAM_HOLD, 1))
     }
 
-    #[test]
-    fn only_a_sensor_that_nobody_else_controls_controls_its_exposure() {
-        for (exposure, control) in [(Exposure::Own, 1), (Exposure::Fixed(9), 0), (Exposure::Copied, 0)] {
-            let mut sensor = Fake::sensor(usize::MAX);
-            assert_eq!(set_up(&mut sensor, Settings { exposure, ..SETTINGS }), Ok(()));
-            assert_eq!(sensor.registers[&AE_CTRL], control, "{exposure:?}");
-        }
+    fn start(_: Setup) -> Setting {
+        Setting::kept(MODE_SELECT, STREAMING)
     }
 
-    #[test]
-    fn another_model_is_refused() {
-        let mut sensor = Fake { registers: [(MODEL_ID_L, 0x60)].into(), answers: 100 };
-        assert_eq!(set_up(&mut sensor, SETTINGS), Err(SensorError::Model(0x60)));
+    fn free_running() -> Option<Setting> {
+        None
     }
 
-    #[test]
-    fn an_exposure_is_copied_whole_and_anew_after_a_silence() {
-        let mut from = Fake::sensor(100);
-        from.registers.extend(EXPOSURE.into_iter().zip(1..));
-        let mut to = Fake::sensor(2);
-        let mut copy = ExposureCopy::default();
-        let mut run =
-            |to: &mut Fake| (0..20).find_map(|_| copy.step(&mut from, to).map_or(Some(false), |d| d.then_some(true)));
-        assert_eq!(run(&mut to), Some(false));
-        to.answers = 6;
-        assert_eq!(run(&mut to), Some(true));
-        assert_eq!(EXPOSURE.map(|register| to.registers[&register]), [1, 2, 3, 4, 5]);
-        assert_eq!(to.registers[&GRP_PARAM_HOLD], 1);
+    /// Its one that walks from line to line tells no line by itself.
+    const PATTERN_LINES: usize = 0;
+
+    fn pattern(lines: Option<u16>) -> Setting {
+        Setting::kept(TEST_PATTERN_MODE, lines.map_or(0, |_| WALKING_ONE))
     }
 }

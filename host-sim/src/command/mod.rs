@@ -14,6 +14,7 @@ mod record;
 mod rig;
 mod scene;
 mod shared;
+mod silicon;
 mod study;
 mod twin;
 
@@ -61,6 +62,8 @@ enum Command {
     Ablate(ablate::Args),
     /// The firmware application on an emulated Cortex-M: same bytes, every instruction counted
     Twin(twin::Args),
+    /// The methods on a bare board: every row compared with the host's, cycles by stage, a table to send us
+    Silicon(silicon::Args),
     /// How long the methods take on this machine, and OpenCV's in turn with them
     Bench(bench::Args),
     /// Repeats the paper's experiments: tables, plots and a page
@@ -133,6 +136,7 @@ impl Cli {
             Command::Receive(args) => args.run()?,
             Command::Ablate(args) => args.run()?,
             Command::Twin(args) => args.run()?,
+            Command::Silicon(args) => args.run()?,
             Command::Bench(args) => args.run()?,
             Command::Study(args) => args.run()?,
             Command::Contours(args) => args.run()?,

@@ -20,6 +20,9 @@ struct Model {
     dma_stands: bool,
     /// Bytes that fill no word yet.
     partial: Vec<u8>,
+    /// Words that are on their way, and looks until they arrive.
+    on_their_way: Vec<[u8; 4]>,
+    late: u32,
     /// All words ever stored since the port's start.
     stored: Vec<[u8; 4]>,
     events: Vec<PortEvent>,
@@ -45,6 +48,12 @@ impl PortRegisters for Model {
     }
     fn ring_position(&self) -> u32 {
         u32::try_from(self.stored.len() % RING).unwrap()
+    }
+    fn wait(&mut self) {
+        self.late = self.late.saturating_sub(1);
+        if self.late == 0 {
+            self.stored.append(&mut self.on_their_way);
+        }
     }
     fn stop(&mut self) {
         (self.armed, self.capturing) = (false, false);
@@ -72,6 +81,11 @@ impl Model {
                 }
             }
         }
+    }
+    /// The last words of a line that was sent are still on their way, for so many looks.
+    fn delay(&mut self, words: usize, looks: u32) {
+        self.on_their_way = self.stored.split_off(self.stored.len() - words);
+        self.late = looks;
     }
     fn end_line(&mut self) {
         self.sync = Some(Sync::BetweenLines);
@@ -310,4 +324,47 @@ proptest! {
         prop_assert!(!taker.in_frame);
         prop_assert_eq!(&taker.whole[before..], &[5]);
     }
+}
+
+#[test]
+fn words_that_are_late_at_the_end_of_a_line_lose_nothing() {
+    for (words, looks) in [(1, 1), (3, 20), (ROW - 1, LOOKS - 1)] {
+        let (mut model, mut port) = (Model::default(), Port::new(ROW as u32, RING as u32));
+        port.start(&mut model);
+        for _ in 0..3 {
+            let mut events = Vec::new();
+            model.start_frame();
+            for line in 0..LINES {
+                model.send(4 * ROW, line as u8);
+                model.delay(words, looks);
+                model.end_line();
+                model.serve(&mut port);
+                events.append(&mut model.events);
+            }
+            model.end_frame();
+            model.serve(&mut port);
+            events.append(&mut model.events);
+            let rows = events.iter().filter(|event| matches!(event, PortEvent::Row { .. })).count();
+            assert_eq!((rows, events.len()), (LINES, LINES + 2), "{words} words late by {looks} looks: {events:?}");
+        }
+    }
+}
+
+#[test]
+fn words_that_never_come_lose_the_rest_of_the_frame_only() {
+    let (mut model, mut port) = (Model::default(), Port::new(ROW as u32, RING as u32));
+    port.start(&mut model);
+    model.start_frame();
+    model.send(4 * ROW - 4, 0);
+    model.end_line();
+    model.serve(&mut port);
+    model.send(4 * ROW, 1);
+    model.end_line();
+    model.serve(&mut port);
+    model.end_frame();
+    model.serve(&mut port);
+    assert!(matches!(
+        model.events[..],
+        [PortEvent::Start, PortEvent::Lost { .. }, PortEvent::Lost { .. }, PortEvent::End]
+    ));
 }

@@ -1,4 +1,4 @@
-//! One method alone in QEMU, to tell what it takes: `firmware/footprint.py` builds, runs and reads it. Which one it is tells
+//! One method alone in QEMU, to tell what it takes: `firmware/checks/footprint.py` builds, runs and reads it. Which one it is tells
 //! `HAARLINE_FOOTPRINT` to the build.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
@@ -7,5 +7,5 @@ mod chip;
 
 #[cfg(not(target_os = "none"))]
 fn main() {
-    println!("This program runs on an emulated Cortex-M (QEMU): firmware/footprint.py");
+    println!("This program runs on an emulated Cortex-M (QEMU): firmware/checks/footprint.py");
 }

@@ -4,32 +4,24 @@
 use core::fmt::Write;
 
 use defmt_rtt as _;
-use embassy_stm32::pac::DBGMCU;
 use haarline::contour_stereo::rows_for;
 use haarline::{ContourStereo, EnvelopeStereo, Full, Lite, Stage, StereoMethod, WaveletBlock};
-use haarline_firmware::edge::{Work, WorkClock};
-use haarline_firmware::h743::clock;
-use haarline_firmware::h743::cycles::CycleClock;
-use haarline_firmware::picture::{HEIGHT, WIDTH};
+use haarline_firmware::app::edge::{Work, WorkClock};
+use haarline_firmware::app::statistics::StageTotals;
+use haarline_firmware::board::this::cycles::CycleClock;
+use haarline_firmware::board::this::{clock, start};
+use haarline_firmware::selftest::picture::{HEIGHT, WIDTH};
 use haarline_firmware::selftest::{BLOCKS, CONFIG, DISPARITIES, checksum, expected};
 use haarline_firmware::stack;
 use haarline_tests::{BlockSettings, StereoBm};
-use static_cell::ConstStaticCell;
 
 type Clock = &'static CycleClock;
 /// A line of the table. defmt pads numbers with zeros only and texts not at all, so it is put together here.
 type Line = heapless::String<192>;
 
-static CLOCK: ConstStaticCell<CycleClock> = ConstStaticCell::new(CycleClock::new());
-
 #[cortex_m_rt::entry]
 fn main() -> ! {
-    let _p = embassy_stm32::init(clock::config());
-    let cycles: Clock = CLOCK.take();
-    if let Some(mut core) = cortex_m::Peripherals::take() {
-        core.SCB.enable_icache();
-        cycles.start(&mut core.DCB, &mut core.DWT);
-    }
+    let cycles: Clock = start::start().clock;
     loop {
         head();
         let mut passed = true;
@@ -82,14 +74,14 @@ fn block(clock: Clock) -> bool {
 
 /// All that must be known to read the table, and the names of its columns.
 fn head() {
-    let chip = DBGMCU.idc().read();
+    let revision = start::revision();
     defmt::info!(
-        "self test of Haarline {=str}: STM32H743 (device {=u16:#x}, revision {=u16:#x}) at {=u32} MHz, \
+        "self test of Haarline {=str}: STM32H743 (revision {=str}, {=u16:#06x}) at {=u32} MHz, \
          instruction cache on, data cache off",
         env!("CARGO_PKG_VERSION"),
-        chip.dev_id(),
-        chip.rev_id(),
-        clock::CORE / 1_000_000
+        revision.name(),
+        revision.0,
+        clock::core_hz(revision) / 1_000_000
     );
     defmt::info!(
         "cycles for {=u16}x{=u32} px, {=usize} disparities, to take the checksum counts as output; stack of {=usize} B",

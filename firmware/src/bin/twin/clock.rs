@@ -9,7 +9,7 @@ use core::cell::Cell;
 use core::sync::atomic::{Ordering, compiler_fence};
 
 use haarline::{Stage, StageClock};
-use haarline_firmware::edge::{Work, WorkClock};
+use haarline_firmware::app::edge::{Work, WorkClock};
 
 /// Base of the CMSDK dual timer, of which the first one is used.
 const TIMER: usize = 0x4000_2000;

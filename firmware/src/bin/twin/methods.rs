@@ -3,7 +3,7 @@
 
 use haarline::contour_stereo::rows_for;
 use haarline::{ConfigError, ContourStereo, EnvelopeStereo, Full, Lite, StereoMethod, WaveletBlock, blocks_for};
-use haarline_firmware::ring::MAX_WIDTH;
+use haarline_firmware::app::ring::MAX_WIDTH;
 use haarline_tests::sgm::words_for;
 use haarline_tests::{BlockSettings, Sgm, StereoBm};
 use static_cell::StaticCell;

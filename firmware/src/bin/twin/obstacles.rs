@@ -3,7 +3,7 @@
 use core::fmt::Write as _;
 
 use haarline::obstacle::MAX_SECTORS;
-use haarline_firmware::lookout::Sighting;
+use haarline_firmware::app::lookout::Sighting;
 use semihosting::fs::File;
 use semihosting::io::Write;
 use semihosting::{eprintln, process};

@@ -3,7 +3,7 @@
 use haarline::setup::Reach;
 use haarline::wiring::{First, Kind, Skew};
 use haarline::{Config, Ramp, Rectification, Rig, Wiring};
-use haarline_firmware::ring::{MAX_RAW, MAX_WIDTH};
+use haarline_firmware::app::ring::{MAX_RAW, MAX_WIDTH};
 use haarline_rig::Plan;
 
 use crate::fault::Fault;

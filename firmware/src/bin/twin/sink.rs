@@ -1,6 +1,6 @@
 //! Packets into a file.
 
-use haarline_firmware::edge::PacketSink;
+use haarline_firmware::app::edge::PacketSink;
 use semihosting::fs::File;
 use semihosting::io::Write;
 use semihosting::{eprintln, process};

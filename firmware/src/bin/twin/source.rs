@@ -1,7 +1,7 @@
 //! A camera made of a file: the recording is played from its beginning again until all frames are done.
 
 use embassy_time::Timer;
-use haarline_firmware::edge::{RowSource, SourceEvent};
+use haarline_firmware::app::edge::{RowSource, SourceEvent};
 use semihosting::fs::File;
 use semihosting::io::{Read, Seek, SeekFrom};
 use semihosting::{eprintln, process};

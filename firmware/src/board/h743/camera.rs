@@ -2,7 +2,6 @@
 
 use core::cell::RefCell;
 use core::future::poll_fn;
-use core::sync::atomic::AtomicBool;
 use core::task::Poll;
 
 use critical_section::{CriticalSection, Mutex};
@@ -15,11 +14,13 @@ use embassy_sync::waitqueue::AtomicWaker;
 use heapless::spsc::{Consumer, Producer, Queue};
 use static_cell::ConstStaticCell;
 
-use super::dma_memory::DmaMemory;
-use super::settings::{HEIGHT, WIDTH};
-use crate::edge::{RowSource, SourceEvent};
-use crate::hm01b0::WINDOW;
-use crate::port::{Events, Flags, Port, PortEvent, PortRegisters, Sync};
+use super::clock::CORE;
+use super::dma_memory::DmaCell;
+use super::pair::{CLOCK_BYTES, WINDOW};
+use crate::app::edge::{RowSource, SourceEvent};
+use crate::app::port::{Events, Flags, Port, PortEvent, PortRegisters, Sync};
+use crate::app::settings::{HEIGHT, WIDTH};
+use crate::dma_cell;
 
 /// Bytes of a line of both sensors, and words.
 const LINE_BYTES: usize = 2 * WINDOW[0] as usize;
@@ -32,6 +33,11 @@ const RING: usize = LINES * LINE_WORDS;
 /// Events that wait, of which all but two may be lines.
 const QUEUE: usize = 11;
 
+/// Data lines of the port.
+pub const DATA: usize = if CLOCK_BYTES == 2 { 14 } else { 8 };
+/// `EDM`: 8 or 14 lines.
+const EDM: u8 = if CLOCK_BYTES == 2 { 0b11 } else { 0b00 };
+
 /// The picture in the middle of the window.
 const FIRST_BYTE: usize = (WINDOW[0] - WIDTH) as usize;
 const PICTURE_BYTES: usize = 2 * WIDTH as usize;
@@ -39,10 +45,7 @@ const FIRST_LINE: u32 = (WINDOW[1] as u32 - HEIGHT) / 2;
 
 type Ring = ReadableRingBuffer<'static, u32>;
 
-#[unsafe(link_section = ".dma")]
-#[expect(unsafe_code, reason = "a section of the linker script")]
-static MEMORY: DmaMemory<[u32; RING]> = DmaMemory::new();
-static MEMORY_TAKEN: AtomicBool = AtomicBool::new(false);
+static MEMORY: DmaCell<[u32; RING]> = dma_cell!([u32; RING]);
 static EVENTS: ConstStaticCell<Queue<PortEvent, { QUEUE + 1 }>> = ConstStaticCell::new(Queue::new());
 static SERVED: Mutex<RefCell<Option<Served>>> = Mutex::new(RefCell::new(None));
 static WAKER: AtomicWaker = AtomicWaker::new();
@@ -91,6 +94,10 @@ impl PortRegisters for Pac {
         u32::try_from(RING).unwrap_or(0) - u32::from(pac::DMA1.st(0).ndtr().read().ndt())
     }
 
+    fn wait(&mut self) {
+        cortex_m::asm::delay(CORE / 10_000_000);
+    }
+
     fn stop(&mut self) {
         rcc::enable_and_reset::<peripherals::DCMI>();
     }
@@ -104,7 +111,8 @@ impl PortRegisters for Pac {
             w.set_ovr_ie(true);
         });
         pac::DCMI.cr().write(|w| {
-            // Continuous (`CM` 0), every frame, 8 bits; both sync signals are low where no pixels are.
+            // Continuous (`CM` 0), every frame; both sync signals are low where no pixels are.
+            w.set_edm(EDM);
             w.set_pckpol(true);
             w.set_enable(true);
         });
@@ -146,8 +154,8 @@ fn with_port(cs: CriticalSection<'_>, act: impl FnOnce(&mut Served)) {
 
 /// The pins of the port.
 pub struct Pins {
-    /// D0 to D7.
-    pub data: [Flex<'static>; 8],
+    /// D0 and those after it, as many as are in use.
+    pub data: [Flex<'static>; DATA],
     /// Pixel clock, HSYNC, VSYNC.
     pub sync: [Flex<'static>; 3],
 }
@@ -155,7 +163,7 @@ pub struct Pins {
 impl Pins {
     /// Gives the pins to the port: alternate function 13, all of them inputs.
     #[must_use]
-    pub fn new(data: [Flex<'static>; 8], sync: [Flex<'static>; 3]) -> Self {
+    pub fn new(data: [Flex<'static>; DATA], sync: [Flex<'static>; 3]) -> Self {
         let mut pins = Self { data, sync };
         for pin in pins.data.iter_mut().chain(&mut pins.sync) {
             pin.set_as_af_unchecked(13, AfType::input(Pull::None));
@@ -188,7 +196,7 @@ impl Camera {
         pins: Pins,
     ) -> Self {
         let request = dcmi::FrameDma::<peripherals::DCMI>::request(&*dma);
-        let memory = MEMORY.take(&MEMORY_TAKEN, [0; RING]);
+        let memory = MEMORY.take([0; RING]);
         let from = pac::DCMI.dr().as_ptr().cast::<u32>();
         #[expect(unsafe_code, reason = "DMA into memory that is the ring's alone")]
         // SAFETY: the data register stays where it is, and nobody else has the memory.
@@ -207,6 +215,12 @@ impl Camera {
             DCMI::enable();
         }
         camera
+    }
+
+    /// Where in the ring DMA stores next: it moves as long as bytes come.
+    #[must_use]
+    pub fn position() -> u32 {
+        Pac.ring_position()
     }
 
     /// Begins anew, DMA too.
@@ -239,9 +253,13 @@ impl Camera {
         if !self.skip(at) || !self.fetch(LINE_WORDS) {
             return false;
         }
-        let words = self.line_bytes.iter().flat_map(|word| word.to_le_bytes());
-        for (to, from) in bytes.iter_mut().zip(words.skip(FIRST_BYTE).take(PICTURE_BYTES)) {
-            *to = from;
+        if FIRST_BYTE.is_multiple_of(4) {
+            let words = self.line_bytes.iter().skip(FIRST_BYTE / 4).take(PICTURE_BYTES / 4);
+            bytes.as_chunks_mut::<4>().0.iter_mut().zip(words).for_each(|(to, word)| *to = word.to_le_bytes());
+        } else {
+            let words = self.line_bytes.iter().flat_map(|word| word.to_le_bytes());
+            let picture = words.skip(FIRST_BYTE).take(PICTURE_BYTES);
+            bytes.iter_mut().zip(picture).for_each(|(to, from)| *to = from);
         }
         true
     }
@@ -263,7 +281,7 @@ impl Camera {
     fn next_is_wanted(&mut self) -> bool {
         let line = self.line;
         self.line += 1;
-        line >= FIRST_LINE && (line < FIRST_LINE + HEIGHT || line >= u32::from(WINDOW[1]))
+        line.checked_sub(FIRST_LINE).is_some_and(|row| row < HEIGHT) || line >= u32::from(WINDOW[1])
     }
 }
 

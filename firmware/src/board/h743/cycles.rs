@@ -5,7 +5,8 @@ use core::cell::Cell;
 use cortex_m::peripheral::{DCB, DWT};
 use haarline::{Stage, StageClock};
 
-use crate::edge::{Work, WorkClock};
+use crate::app::edge::{Work, WorkClock};
+use crate::app::statistics::StageTotals;
 
 /// Where time goes that is no stage's.
 const REST: usize = Stage::COUNT;
@@ -34,24 +35,22 @@ impl CycleClock {
         self.last.set(DWT::cycle_count());
     }
 
-    /// Cycles of a stage so far.
-    #[must_use]
-    pub fn of(&self, stage: Stage) -> u64 {
-        self.spent.get(stage.index()).map_or(0, Cell::get)
-    }
-
-    /// Rows and ends of frames worked on so far.
-    #[must_use]
-    pub fn rows(&self) -> u32 {
-        self.rows.get()
-    }
-
     fn go_to(&self, next: usize) {
         let now = DWT::cycle_count();
         let spent = now.wrapping_sub(self.last.replace(now));
         if let Some(sum) = self.spent.get(self.current.replace(next)) {
             sum.set(sum.get() + u64::from(spent));
         }
+    }
+}
+
+impl StageTotals for CycleClock {
+    fn of(&self, stage: Stage) -> u64 {
+        self.spent.get(stage.index()).map_or(0, Cell::get)
+    }
+
+    fn rows(&self) -> u32 {
+        self.rows.get()
     }
 }
 

@@ -4,30 +4,64 @@ use core::cell::UnsafeCell;
 use core::mem::MaybeUninit;
 use core::sync::atomic::{AtomicBool, Ordering};
 
-/// Room in the section `.dma`, with its mark that it was taken elsewhere: that has to be cleared.
+/// Room in the section `.dma`, which holds anything at start-up.
 pub struct DmaMemory<T>(UnsafeCell<MaybeUninit<T>>);
 
-// SAFETY: `take` hands out its contents once.
+// SAFETY: a cell hands out its contents once.
 #[expect(unsafe_code, reason = "shared by everybody, handed out once")]
 unsafe impl<T: Send> Sync for DmaMemory<T> {}
 
-impl<T: Send> DmaMemory<T> {
+impl<T> DmaMemory<T> {
     /// Nothing in it.
     #[expect(clippy::new_without_default, reason = "a static needs it const")]
     #[must_use]
     pub const fn new() -> Self {
         Self(UnsafeCell::new(MaybeUninit::uninit()))
     }
+}
 
-    /// Fills it and hands it out.
+/// Hands out memory of the section `.dma`, once. It lies in memory that is cleared, and so knows whether it did. Made by
+/// [`dma_cell!`](crate::dma_cell) only.
+pub struct DmaCell<T: 'static> {
+    memory: &'static DmaMemory<T>,
+    is_taken: AtomicBool,
+}
+
+impl<T: Send> DmaCell<T> {
+    /// The cell of `memory`.
+    ///
+    /// # Safety
+    /// It is the only one of that memory.
+    #[expect(unsafe_code, reason = "two cells would hand the memory out twice")]
+    #[must_use]
+    pub const unsafe fn new(memory: &'static DmaMemory<T>) -> Self {
+        Self { memory, is_taken: AtomicBool::new(false) }
+    }
+
+    /// Fills the memory and hands it out.
     ///
     /// # Panics
-    /// If `taken`, which belongs to it alone, says that it was handed out before.
+    /// If it was handed out before.
     #[expect(unsafe_code, reason = "handed out once")]
-    #[expect(clippy::mut_from_ref, reason = "handed out once")]
-    pub fn take(&'static self, taken: &'static AtomicBool, value: T) -> &'static mut T {
-        assert!(!taken.swap(true, Ordering::AcqRel), "handed out twice");
-        // SAFETY: the mark above keeps everybody else away.
-        unsafe { (*self.0.get()).write(value) }
+    pub fn take(&self, value: T) -> &'static mut T {
+        assert!(!self.is_taken.swap(true, Ordering::AcqRel), "handed out twice");
+        // SAFETY: the only cell of this memory keeps everybody else away.
+        unsafe { (*self.memory.0.get()).write(value) }
     }
+}
+
+/// A [`DmaCell`] for a static, whose memory nobody else can name.
+#[macro_export]
+macro_rules! dma_cell {
+    ($type:ty) => {{
+        #[unsafe(link_section = ".dma")]
+        #[expect(unsafe_code, reason = "a section of the linker script")]
+        static MEMORY: $crate::board::this::dma_memory::DmaMemory<$type> =
+            $crate::board::this::dma_memory::DmaMemory::new();
+        #[expect(unsafe_code, reason = "the memory's name ends here")]
+        // SAFETY: the memory is named in this block alone, and a static is built once.
+        unsafe {
+            $crate::board::this::dma_memory::DmaCell::new(&MEMORY)
+        }
+    }};
 }

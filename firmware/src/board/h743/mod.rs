@@ -1,28 +1,51 @@
-//! The board `board-h743`: an STM32H743ZI at 480 MHz, as on the Nucleo-144, with two HM01B0.
+//! The board of the feature `board-h743`: an STM32H743ZI at 480 MHz, as on the Nucleo-144, with two sensors.
 //!
-//! The two sensors share the camera interface: with 4 data lines each (wiring "nibble"), or through a
-//! multiplexer that takes a pixel of each in turn (wiring "pixel").
+//! Two MT9V034 share the camera interface with seven data lines each (wiring "pairs14"); two HM01B0 with four each (wiring
+//! "nibble"), or through a multiplexer that takes a pixel of each in turn (wiring "pixel").
 //!
-//! | signal | pin | |
-//! |---|---|---|
-//! | DCMI D0 to D7 | PC6 PC7 PC8 PC9 PE4 PD3 PE5 PE6 | D0 to D3 of the first sensor, then of the second; or the multiplexer's output |
-//! | DCMI PIXCLK, HSYNC, VSYNC | PA6, PA4, PG9 | pixels valid while both are high |
-//! | MCO1 | PA8 | 8 MHz: the master clock of both sensors |
-//! | TIM3 CH1 | PB4 | the trigger pins of both sensors |
-//! | I2C1 SCL, SDA | PB8, PB9 | first sensor |
-//! | I2C2 SCL, SDA | PF1, PF0 | second sensor: both have the same address |
-//! | USART1 TX | PB6 | row packets, 6 Mbaud |
-//! | UART7 TX, RX | PE8, PE7 | MAVLink, 115,200 baud; RX is not in use |
+//! | signal | pin | pairs14 | nibble, pixel |
+//! |---|---|---|---|
+//! | DCMI D0 to D6 | PC6 PC7 PC8 PC9 PE4 PD3 PE5 | D3 to D9 of the first | D0 to D3 of the first, then of the second; or the multiplexer's output |
+//! | DCMI D7 | PE6 | D3 of the second | |
+//! | DCMI D8 to D13 | PC10 PC12 PD6 PD2 PF11 PG15 | D4 to D9 of the second | not in use |
+//! | DCMI PIXCLK, HSYNC, VSYNC | PA6, PA4, PG9 | PIXCLK, LINE_VALID, FRAME_VALID of the first | the first's, or the multiplexer's |
+//! | MCO1 | PA8 | 15 MHz: SYSCLK of both | 8 MHz: MCLK of both |
+//! | TIM3 CH1 | PB4 | EXPOSURE of both | not in use |
+//! | I2C1 SCL, SDA | PB8, PB9 | first sensor | both |
+//! | I2C2 SCL, SDA | PF1, PF0 | second sensor | not in use |
+//! | USART1 TX | PB6 | row packets, 12 Mbaud | |
+//! | UART7 TX, RX | PE8, PE7 | MAVLink, 115,200 baud; RX is not in use | |
 
 pub mod camera;
 pub mod clock;
 pub mod cycles;
 pub mod dma_memory;
+pub mod free_bus;
+mod guard;
 pub mod idle;
-pub mod panic;
+mod pace;
+#[cfg(sensor = "hm01b0")]
+pub mod pair_hm01b0;
+#[cfg(sensor = "mt9v034")]
+pub mod pair_mt9v034;
+mod panic;
+pub mod parts;
+pub mod prompt;
 pub mod reset;
 pub mod sensors;
 pub mod serial;
-pub mod settings;
+pub mod start;
+pub mod watchdog;
 
 defmt::timestamp!("{=u64:us}", embassy_time::Instant::now().as_micros());
+
+/// The pair of sensors that the rig's wiring asks for.
+#[cfg(sensor = "hm01b0")]
+pub use pair_hm01b0 as pair;
+#[cfg(sensor = "mt9v034")]
+pub use pair_mt9v034 as pair;
+
+/// What the log calls it.
+pub const NAME: &str = "board-h743";
+/// Its chip, as probe-rs names it.
+pub const CHIP: &str = env!("HAARLINE_CHIP");

@@ -7,6 +7,9 @@ use core::panic::PanicInfo;
 use cortex_m::peripheral::SCB;
 use cortex_m_rt::ExceptionFrame;
 
+use super::guard;
+use crate::stack;
+
 /// Long enough for a probe to fetch the log, cycles: 50 ms.
 const FETCH: u32 = super::clock::CORE / 20;
 
@@ -20,7 +23,14 @@ fn panic(info: &PanicInfo<'_>) -> ! {
 
 #[cortex_m_rt::exception]
 unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
-    defmt::error!("hard fault at {=u32:#010x}, called from {=u32:#010x}", frame.pc(), frame.lr());
+    // SAFETY: nobody else runs any more.
+    let core = unsafe { cortex_m::Peripherals::steal() };
+    if guard::was_touched(&core.SCB) {
+        // The frame is none: the core found no room for it.
+        defmt::error!("stack overflow: {=usize} B are not enough", stack::size());
+    } else {
+        defmt::error!("hard fault at {=u32:#010x}, called from {=u32:#010x}", frame.pc(), frame.lr());
+    }
     cortex_m::asm::delay(FETCH);
     SCB::sys_reset()
 }

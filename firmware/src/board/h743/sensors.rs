@@ -5,67 +5,71 @@ use embassy_stm32::i2c::{Error, I2c, Master};
 use embassy_stm32::mode::Blocking;
 use embassy_stm32::peripherals::TIM3;
 use embassy_stm32::timer::simple_pwm::SimplePwm;
-use embassy_time::{Duration, Timer};
+use embassy_time::{Duration, Instant, Timer};
 
-use super::settings;
-use crate::hm01b0::{self, ADDRESS, Exposure, ExposureCopy, Registers, SensorError};
-use crate::rig::PLAN;
+use super::pair::{COPIES, IS_TRIGGERED, Model, SETUPS};
+use crate::sensor::exposure::ExposureCopy;
+use crate::sensor::{self, Sensor, SensorError};
 
-/// Between two tries to reach a sensor.
+/// Between two tries to reach a sensor, and two looks whether it is back from its reset.
 const RETRY: Duration = Duration::from_millis(100);
+const LOOK: Duration = Duration::from_millis(5);
 /// Tries between two complaints.
 const TRIES: u32 = 10;
 /// Between two looks at the first sensor's exposure.
 const COPY: Duration = Duration::from_millis(200);
 
-/// The bus of one sensor.
+/// The bus of one sensor, or of both.
 pub type Bus = I2c<'static, Blocking, Master>;
 
-impl Registers for Bus {
+impl sensor::Bus for Bus {
     type Error = Error;
 
-    fn write(&mut self, register: u16, value: u8) -> Result<(), Error> {
-        let [high, low] = register.to_be_bytes();
-        self.blocking_write(ADDRESS, &[high, low, value])
+    fn write(&mut self, address: u8, bytes: &[u8]) -> Result<(), Error> {
+        self.blocking_write(address, bytes)
     }
 
-    fn read(&mut self, register: u16) -> Result<u8, Error> {
-        let mut value = [0];
-        self.blocking_write_read(ADDRESS, &register.to_be_bytes(), &mut value)?;
-        Ok(value[0])
+    fn write_read(&mut self, address: u8, bytes: &[u8], answer: &mut [u8]) -> Result<(), Error> {
+        self.blocking_write_read(address, bytes, answer)
     }
 }
 
-/// Sets both sensors up, tries until they answer; starts them by one trigger, and lets the second expose
-/// as the first does.
-pub async fn run(mut buses: [Bus; 2], mut trigger: SimplePwm<'static, TIM3>) {
-    let line_length = u16::try_from(settings::LINE_LENGTH).unwrap_or(u16::MAX);
-    let exposures = match PLAN.exposure_lines {
-        Some(lines) => [Exposure::Fixed(lines); 2],
-        None => [Exposure::Own, Exposure::Copied],
-    };
-    for ((number, bus), exposure) in (1_u8..).zip(&mut buses).zip(exposures) {
-        let settings = hm01b0::Settings { lines: settings::LINES, clock: settings::CLOCK, line_length, exposure };
-        let mut tries: u32 = 0;
-        while let Err(error) = hm01b0::set_up(bus, settings) {
-            if tries.is_multiple_of(TRIES) {
-                complain(number, error);
-            }
-            tries = tries.saturating_add(1);
+/// Both sensors.
+pub struct Sensors {
+    /// The buses; the second one is in use only where each sensor has its own.
+    pub buses: [Bus; 2],
+    /// Starts a frame of both.
+    pub trigger: SimplePwm<'static, TIM3>,
+}
+
+/// Sets both sensors up, tries until they answer; starts them, and lets the second expose as the first does.
+pub async fn run(sensors: Sensors) {
+    let Sensors { mut buses, mut trigger } = sensors;
+    let mut addresses = [0; 2];
+    for ((nth, bus), setup) in buses.iter_mut().enumerate().zip(SETUPS) {
+        let address = set_up(nth, bus, setup).await;
+        if let Some(place) = addresses.get_mut(nth) {
+            *place = address;
+        }
+    }
+    for ((bus, address), setup) in buses.iter_mut().zip(addresses).zip(SETUPS) {
+        while let Err(error) = sensor::apply::<Model, _>(bus, address, Model::start(setup)) {
+            defmt::error!("a sensor cannot be started: {}", error);
             Timer::after(RETRY).await;
         }
-        defmt::info!("sensor {}: HM01B0 set up", number);
     }
-    // Long pulses: the sensors look at the edge.
-    trigger.ch1().set_duty_cycle_percent(10);
-    trigger.ch1().enable();
-    if PLAN.exposure_lines.is_some() {
+    if IS_TRIGGERED {
+        // Long pulses: the sensors look at the edge.
+        trigger.ch1().set_duty_cycle_percent(10);
+        trigger.ch1().enable();
+    }
+    if !COPIES {
         core::future::pending::<()>().await;
     }
     let [first, second] = &mut buses;
-    let mut copy = ExposureCopy::default();
+    let mut copy = ExposureCopy::<Model>::default();
     loop {
-        match copy.step(first, second) {
+        match copy.step((first, addresses[0]), (second, addresses[1])) {
             Ok(false) => yield_now().await,
             Ok(true) => Timer::after(COPY).await,
             Err(error) => {
@@ -76,8 +80,60 @@ pub async fn run(mut buses: [Bus; 2], mut trigger: SimplePwm<'static, TIM3>) {
     }
 }
 
-fn complain(number: u8, error: SensorError<Error>) {
-    let pins = if number == 1 { "PB8, PB9" } else { "PF1, PF0" };
+/// Sets one up, or both where they share the bus; its address.
+async fn set_up(nth: usize, bus: &mut Bus, setup: <Model as Sensor>::Setup) -> u8 {
+    let mut is_reset = false;
+    let mut tries: u32 = 0;
+    loop {
+        match try_set_up(bus, setup, &mut is_reset).await {
+            Ok(address) => {
+                defmt::info!("sensor {}: {=str} set up, address {=u8:#x}", nth + 1, Model::NAME, address);
+                return address;
+            }
+            Err(error) if tries.is_multiple_of(TRIES) => complain(nth, error),
+            Err(_) => {}
+        }
+        tries = tries.saturating_add(1);
+        Timer::after(RETRY).await;
+    }
+}
+
+/// The wires of a sensor's bus.
+#[must_use]
+pub const fn pins(nth: usize) -> &'static str {
+    if nth == 0 { "PB8, PB9" } else { "PF1, PF0" }
+}
+
+/// Sets a sensor up once; its address. One that was reset and is silent still is not reset again: it might never end.
+///
+/// # Errors
+/// If it does not answer in time, is another model, or does not hold what is written.
+pub async fn try_set_up(
+    bus: &mut Bus,
+    setup: <Model as Sensor>::Setup,
+    is_reset: &mut bool,
+) -> Result<u8, SensorError<Error>> {
+    let address = sensor::find::<Model, _>(bus)?;
+    if !*is_reset {
+        sensor::apply::<Model, _>(bus, address, Model::reset())?;
+        *is_reset = true;
+        Timer::after_millis(u64::from(Model::RESET_MS)).await;
+        let begun = Instant::now();
+        // Right after a reset no answer is no fault.
+        while let Err(error) = Model::identity(bus, address) {
+            if begun.elapsed() > Duration::from_millis(u64::from(Model::SILENT_MS)) {
+                return Err(error.into());
+            }
+            Timer::after(LOOK).await;
+        }
+    }
+    *is_reset = false;
+    sensor::set_up::<Model, _>(bus, address, setup)?;
+    Ok(address)
+}
+
+fn complain(nth: usize, error: SensorError<Error>) {
+    let (number, pins) = (nth + 1, pins(nth));
     match error {
         SensorError::Silent(error) => defmt::error!(
             "no answer from sensor {} (I2C, {}, {}): check its wires, its supply and its master clock",
@@ -85,6 +141,15 @@ fn complain(number: u8, error: SensorError<Error>) {
             pins,
             error
         ),
-        SensorError::Model(model) => defmt::error!("sensor {} is no HM01B0 but model {=u16:#06x}", number, model),
+        SensorError::Model(model) => {
+            defmt::error!("sensor {} is no {=str} but model {=u16:#06x}", number, Model::NAME, model);
+        }
+        SensorError::Forgets(register, written, found) => defmt::error!(
+            "sensor {} holds {=u16:#06x} in register {=u16:#06x}, where {=u16:#06x} was written: check its supply and the bus",
+            number,
+            found,
+            register,
+            written
+        ),
     }
 }

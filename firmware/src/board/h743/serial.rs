@@ -3,7 +3,7 @@
 use embassy_stm32::mode::Async;
 use embassy_stm32::usart::{Error, UartTx};
 
-use crate::edge::PacketSink;
+use crate::app::edge::PacketSink;
 
 /// A port and the memory that DMA fetches its bytes from.
 pub struct Serial {

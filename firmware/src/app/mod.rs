@@ -1,0 +1,23 @@
+//! The application between the camera and the serial ports. It knows no chip and no board.
+
+#[cfg(target_os = "none")]
+pub mod alive;
+#[cfg(target_os = "none")]
+pub mod autopilot;
+#[cfg(target_os = "none")]
+pub mod capture;
+#[cfg(target_os = "none")]
+pub mod edge;
+#[cfg(target_os = "none")]
+pub mod lookout;
+pub mod port;
+#[cfg(target_os = "none")]
+pub mod results;
+#[cfg(target_os = "none")]
+pub mod ring;
+#[cfg(target_os = "none")]
+pub mod settings;
+#[cfg(target_os = "none")]
+pub mod statistics;
+#[cfg(target_os = "none")]
+pub mod vision;

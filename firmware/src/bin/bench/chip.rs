@@ -1,0 +1,127 @@
+//! The serial port of the debugger, and one method after the other.
+
+use defmt_rtt as _;
+use embassy_stm32::mode::Blocking;
+use embassy_stm32::usart::{self, Uart};
+use haarline::{Config, Full, Lite, StereoMethod, WaveletBlock, blocks_for};
+use haarline_firmware::board::this::cycles::CycleClock;
+use haarline_firmware::board::this::dma_memory::DmaCell;
+use haarline_firmware::board::this::start;
+use haarline_firmware::board::this::start::Started;
+use haarline_firmware::dma_cell;
+use haarline_link::message::{DISPARITIES, KEPT, Method, WIDTH};
+use haarline_link::server::Server;
+use haarline_tests::sgm::words_for;
+use haarline_tests::{BlockSettings, Sgm, StereoBm};
+
+use crate::work::{Begin, Row, Work};
+
+type Clock = &'static CycleClock;
+
+const BAUD: u32 = 921_600;
+#[expect(clippy::cast_possible_truncation, reason = "48")]
+const SEARCHED: u16 = DISPARITIES as u16;
+#[expect(clippy::cast_possible_truncation, reason = "320")]
+const BLOCKS: usize = blocks_for(WIDTH as u16);
+
+static ROWS: DmaCell<[Row; KEPT]> = dma_cell!([Row; KEPT]);
+
+/// The port, and what it asks for.
+struct Bench {
+    port: Uart<'static, Blocking>,
+    server: Server,
+    work: Work,
+    clock: Clock,
+}
+
+#[cortex_m_rt::entry]
+fn main() -> ! {
+    let Started { peripherals: p, clock, .. } = start::start();
+    let mut config = usart::Config::default();
+    config.baudrate = BAUD;
+    let Ok(port) = Uart::new_blocking(p.USART3, p.PD9, p.PD8, config) else {
+        defmt::panic!("120 MHz give 921,600 baud")
+    };
+    let rows = rows();
+    let mut bench = Bench { port, server: Server::default(), work: Work::new(rows, clock), clock };
+    defmt::info!("bench: waiting for `haarline silicon` at {=u32} baud", BAUD);
+    let mut begin = bench.serve(None, 0, 0);
+    loop {
+        let config = Config { width: begin.width, min_disparity: begin.min_disparity, num_disparities: SEARCHED };
+        let run = match begin.method {
+            Method::Full => full,
+            Method::Lite => lite,
+            Method::WaveletBlock => wavelet_block,
+            Method::Block => block,
+            Method::Sgm => sgm,
+        };
+        begin = run(&mut bench, config);
+    }
+}
+
+#[inline(never)]
+fn rows() -> &'static mut [Row; KEPT] {
+    ROWS.take([const { Row::EMPTY }; KEPT])
+}
+
+impl Bench {
+    /// Does what is asked for, until another frame is to begin.
+    fn serve(&mut self, mut method: Option<&mut dyn StereoMethod>, width: u16, state: usize) -> Begin {
+        self.work.begin(usize::from(width), state);
+        let Self { port, server, work, .. } = self;
+        loop {
+            let mut byte = [0];
+            // What is garbled or lost is asked for again.
+            if port.blocking_read(&mut byte).is_err() {
+                continue;
+            }
+            let [byte] = byte;
+            let mut sent = Ok(());
+            let method = method.as_mut().map(|method| &mut **method as &mut dyn StereoMethod);
+            let execute = |request: &[u8], answer: &mut _| work.execute(request, method, answer);
+            server.take(byte, |bytes| sent = sent.and(port.blocking_write(bytes)), execute);
+            if let Err(error) = sent {
+                defmt::warn!("serial port: {}", error);
+            }
+            if let Some(begin) = work.next.take() {
+                return begin;
+            }
+        }
+    }
+
+    /// Serves with a method of its own, if it takes the configuration.
+    fn with<M: StereoMethod, E>(&mut self, method: Result<M, E>, config: Config) -> Begin {
+        match method {
+            Ok(mut method) => self.serve(Some(&mut method), config.width, size_of::<M>()),
+            Err(_) => self.serve(None, 0, 0),
+        }
+    }
+}
+
+// Each has all of the stack for itself.
+
+#[inline(never)]
+fn full(bench: &mut Bench, config: Config) -> Begin {
+    bench.with(Full::<BLOCKS, _>::timed(config, bench.clock), config)
+}
+
+#[inline(never)]
+fn lite(bench: &mut Bench, config: Config) -> Begin {
+    bench.with(Lite::<BLOCKS, _>::timed(config, bench.clock), config)
+}
+
+#[inline(never)]
+fn wavelet_block(bench: &mut Bench, config: Config) -> Begin {
+    bench.with(WaveletBlock::<BLOCKS, _>::timed(config, bench.clock), config)
+}
+
+#[inline(never)]
+fn block(bench: &mut Bench, config: Config) -> Begin {
+    let method = StereoBm::<WIDTH, DISPARITIES, 9, _>::timed(config, BlockSettings::default(), bench.clock);
+    bench.with(method, config)
+}
+
+#[inline(never)]
+fn sgm(bench: &mut Bench, config: Config) -> Begin {
+    bench.with(Sgm::<WIDTH, { words_for(SEARCHED) }, _>::timed(config, bench.clock), config)
+}

@@ -1,0 +1,123 @@
+//! What the application works with, on the pins of this board.
+
+use embassy_stm32::gpio::{Flex, OutputType, Speed};
+use embassy_stm32::peripherals::{DMA1_CH0, DMA1_CH1, DMA1_CH2};
+use embassy_stm32::rcc::{Mco, McoConfig};
+use embassy_stm32::time::Hertz;
+use embassy_stm32::timer::low_level::CountingMode;
+use embassy_stm32::timer::simple_pwm::{PwmPin, SimplePwm};
+use embassy_stm32::usart::{self, UartTx};
+use embassy_stm32::wdg::IndependentWatchdog;
+use embassy_stm32::{Peripherals, bind_interrupts, dma, i2c};
+use embassy_time::Duration;
+
+use super::camera::{Camera, Pins, PortHandler};
+use super::clock::Source;
+use super::dma_memory::DmaCell;
+use super::pair::MASTER_CLOCK;
+use super::sensors::Sensors;
+use super::serial::Serial;
+use super::watchdog::{self, Watchdog};
+use super::{free_bus, start};
+use crate::app::settings::FRAME_RATE;
+use crate::dma_cell;
+
+bind_interrupts!(struct Irqs {
+    DCMI => PortHandler;
+    DMA1_STREAM0 => PortHandler, dma::InterruptHandler<DMA1_CH0>;
+    DMA1_STREAM1 => dma::InterruptHandler<DMA1_CH1>;
+    DMA1_STREAM2 => dma::InterruptHandler<DMA1_CH2>;
+});
+
+/// The row packets' port. At 30 frames a second of 320 x 240 px the packets take less than half of it.
+const ROWS_BAUD: u32 = 12_000_000;
+/// Bytes of row packets that one transfer takes.
+const ROWS_CHUNK: usize = 1088;
+/// MAVLink's port: a message has 179 bytes, and comes with each frame.
+const MAVLINK_BAUD: u32 = 115_200;
+
+static ROWS_MEMORY: DmaCell<[u8; ROWS_CHUNK]> = dma_cell!([u8; ROWS_CHUNK]);
+static MAVLINK_MEMORY: DmaCell<[u8; haarline_telemetry::MAX_BYTES]> = dma_cell!([u8; haarline_telemetry::MAX_BYTES]);
+
+/// The parts.
+pub struct Parts {
+    /// The camera interface.
+    pub camera: Camera,
+    /// The sensors behind it.
+    pub sensors: Sensors,
+    /// Takes row packets.
+    pub rows: Serial,
+    /// Leads to the autopilot.
+    pub mavlink: Serial,
+    /// Starts the chip anew unless it is fed.
+    pub watchdog: Watchdog,
+}
+
+impl Parts {
+    /// Takes them from the chip's peripherals.
+    ///
+    /// # Panics
+    /// If it is called twice.
+    #[inline(never)]
+    #[must_use]
+    pub fn new(mut p: Peripherals) -> Self {
+        // The sensors' master clock comes before anything is asked of them. It stays on.
+        let mut mco = McoConfig::default();
+        let [by_crystal, without] = MASTER_CLOCK;
+        let (source, prescaler) = if start::source() == Source::Crystal { by_crystal } else { without };
+        (mco.prescaler, mco.speed) = (prescaler, Speed::Medium);
+        let _master_clock = Mco::new(p.MCO1, p.PA8, source, mco);
+        let pin = PwmPin::new(p.PB4, OutputType::PushPull);
+        let rate = Hertz(FRAME_RATE);
+        let trigger = SimplePwm::new(p.TIM3, Some(pin), None, None, None, rate, CountingMode::EdgeAlignedUp);
+        free_bus::free(1, Flex::new(p.PB8.reborrow()), Flex::new(p.PB9.reborrow()));
+        free_bus::free(2, Flex::new(p.PF1.reborrow()), Flex::new(p.PF0.reborrow()));
+        let mut config = i2c::Config::default();
+        config.frequency = Hertz::khz(400);
+        config.timeout = Duration::from_millis(5);
+        let first = i2c::I2c::new_blocking(p.I2C1, p.PB8, p.PB9, config);
+        let second = i2c::I2c::new_blocking(p.I2C2, p.PF1, p.PF0, config);
+
+        let data = [
+            Flex::new(p.PC6),
+            Flex::new(p.PC7),
+            Flex::new(p.PC8),
+            Flex::new(p.PC9),
+            Flex::new(p.PE4),
+            Flex::new(p.PD3),
+            Flex::new(p.PE5),
+            Flex::new(p.PE6),
+            #[cfg(sensor = "mt9v034")]
+            Flex::new(p.PC10),
+            #[cfg(sensor = "mt9v034")]
+            Flex::new(p.PC12),
+            #[cfg(sensor = "mt9v034")]
+            Flex::new(p.PD6),
+            #[cfg(sensor = "mt9v034")]
+            Flex::new(p.PD2),
+            #[cfg(sensor = "mt9v034")]
+            Flex::new(p.PF11),
+            #[cfg(sensor = "mt9v034")]
+            Flex::new(p.PG15),
+        ];
+        let pins = Pins::new(data, [Flex::new(p.PA6), Flex::new(p.PA4), Flex::new(p.PG9)]);
+        let camera = Camera::start(p.DCMI, p.DMA1_CH0, Irqs, pins);
+
+        let mut config = usart::Config::default();
+        config.baudrate = ROWS_BAUD;
+        let Ok(rows) = UartTx::new(p.USART1, p.PB6, p.DMA1_CH1, Irqs, config) else {
+            defmt::panic!("120 MHz give 12 Mbaud")
+        };
+        config.baudrate = MAVLINK_BAUD;
+        let Ok(mavlink) = UartTx::new(p.UART7, p.PE8, p.DMA1_CH2, Irqs, config) else {
+            defmt::panic!("120 MHz give 115,200 baud")
+        };
+        Self {
+            camera,
+            sensors: Sensors { buses: [first, second], trigger },
+            rows: Serial::new(rows, ROWS_MEMORY.take([0; _])),
+            mavlink: Serial::new(mavlink, MAVLINK_MEMORY.take([0; _])),
+            watchdog: Watchdog(IndependentWatchdog::new(p.IWDG1, watchdog::PERIOD)),
+        }
+    }
+}
