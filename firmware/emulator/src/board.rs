@@ -3,6 +3,7 @@
 use std::num::{NonZeroU32, NonZeroU64};
 use std::sync::{Arc, Mutex};
 
+use rigless::chip::uart::TcpPeer;
 use rigless::cpu::armv7m::windows;
 use rigless::device::{Device, ErasedDevice, ResetCause};
 use rigless::edge::Pulse;
@@ -15,25 +16,36 @@ use rigless::snapshot::Store;
 use rigless::soc::stm32h743::Stm32h743;
 use rigless::soc::stm32h743::generated::tim2::{Register, cr1, sr};
 use rigless::soc::stm32h743::peripherals::usart;
-use rigless::soc::{Bus, Error, Layout};
+use rigless::soc::{Bus, Error, Layout, Width};
 use rigless::time::VirtualNanos;
 
 use crate::camera::{Camera, FaultKind};
 use crate::dcmi::Dcmi;
-use crate::sensor::{Registers, Sensor};
+use crate::sensor::{Model, OnBus, Sensor, Shared};
 use crate::watchdog::Watchdog;
 use crate::wire::{Heard, Wire};
+use crate::wires::Mistake;
 
 /// Core clock, and instructions a second: one a cycle.
 pub const CLOCK: u64 = 480_000_000;
 /// Of the Nucleo: 8 MHz from its debugger, and 3.3 V.
 const HSE: u64 = 8_000_000;
 const SUPPLY: u32 = 3300;
+/// The chip's own oscillator, Hz.
+const HSI: u64 = 64_000_000;
 /// The ports of the row packets and of MAVLink.
 const ROWS: &str = "USART1";
 const MAVLINK: &str = "UART7";
-/// I2C1 has the left sensor, I2C2 the right one.
+/// The port that leads through the Nucleo's debugger.
+const DEBUGGER: &str = "USART3";
+/// I2C1 has the first MT9V034, I2C2 the second one; two HM01B0 are both on I2C1.
 const BUSES: [usize; 2] = [0, 1];
+/// Registers of the clock controller: `CFGR`, `PLLCKSELR`, `PLL1DIVR`; and `GPIOA_MODER`, in which bits 16 and 17 are the
+/// clock's pin PA8.
+const CFGR: u64 = 0x5802_4410;
+const PLLCKSELR: u64 = 0x5802_4428;
+const PLL1DIVR: u64 = 0x5802_4430;
+const MODER: u64 = 0x5802_0000;
 /// How long the sensors keep silent if that is the fault, ns.
 const SILENT: u64 = 300_000_000;
 /// TIM2 to TIM5, one after the other.
@@ -87,14 +99,23 @@ impl Mcu for Chip {
 #[derive(Debug)]
 pub struct Rig {
     pub chip: Chip,
+    sensors: [Shared; 2],
+    mistake: Option<Mistake>,
     pub rows: Heard,
     pub mavlink: Heard,
 }
 
 impl Rig {
-    pub fn new(camera: Camera) -> Result<Self, Error> {
+    /// Lets a host talk over the debugger's serial port.
+    pub fn attach_host(&mut self, host: TcpPeer) {
+        let nth = usart::INSTANCES.iter().position(|&instance| instance == DEBUGGER).expect("the part has it");
+        self.chip.part.usart[nth].attach(host);
+    }
+
+    /// Two sensors of a model, a mistake in their wires, and how late DMA is, ns.
+    pub fn new(camera: Camera, model: Model, mistake: Option<Mistake>, late: u64) -> Result<Self, Error> {
         let mut part = Stm32h743::new()?;
-        part.rcc.attach_crystals(HSE, 0);
+        part.rcc.attach_crystals(if mistake == Some(Mistake::NoCrystal) { 0 } else { HSE }, 0);
         part.set_supply(SUPPLY);
         part.set_analog_supply(SUPPLY);
         let (rows, mavlink) = (Heard::default(), Heard::default());
@@ -102,18 +123,65 @@ impl Rig {
             let nth = usart::INSTANCES.iter().position(|&instance| instance == name).expect("the part has it");
             part.usart[nth].attach(Wire(Arc::clone(heard)));
         }
-        let is_silent = camera.fault.is_some_and(|fault| fault.kind == FaultKind::Silent);
-        let sensors = [(); 2].map(|()| Arc::new(Mutex::new(Registers::default())));
-        for (bus, sensor) in BUSES.into_iter().zip(&sensors) {
-            part.i2c[bus].attach(Sensor::new(Arc::clone(sensor), if is_silent { SILENT } else { 0 }));
+        let fault = camera.fault.map(|fault| fault.kind);
+        let sensors: [Shared; 2] = std::array::from_fn(|nth| {
+            let mut sensor = Sensor::new(model);
+            sensor.silent_until = if fault == Some(FaultKind::Silent) { SILENT } else { 0 };
+            if fault == Some(FaultKind::Nak) {
+                sensor.after_reset = SILENT;
+            }
+            match mistake {
+                Some(Mistake::Mute(muted)) if muted == nth + 1 => sensor.silent_until = u64::MAX / 2,
+                Some(Mistake::Another(other)) if other == nth + 1 => sensor.is_another = true,
+                _ => {}
+            }
+            Arc::new(Mutex::new(sensor))
+        });
+        // Of two HM01B0 on one bus both take what is written, so one set of registers is that of both.
+        let sensors = if model == Model::Hm01b0 { [(); 2].map(|()| Arc::clone(&sensors[0])) } else { sensors };
+        let [one, other] = if mistake == Some(Mistake::CrossedBuses) { [1, 0] } else { [0, 1] };
+        let on_buses = if model == Model::Hm01b0 { &[0_usize][..] } else { &[one, other] };
+        for (bus, &nth) in BUSES.into_iter().zip(on_buses) {
+            part.i2c[bus].attach(OnBus::new(Arc::clone(&sensors[nth])));
         }
         let [dcmi_slot, watchdog_slot] = [part.bus().slot("DCMI")?, part.bus().slot("IWDG")?];
-        let (dcmi, watchdog) = (Dcmi::new(camera, sensors), Watchdog::default());
-        Ok(Self { chip: Chip { part, dcmi, watchdog, dcmi_slot, watchdog_slot }, rows, mavlink })
+        let dcmi = Dcmi::new(camera, sensors.each_ref().map(Arc::clone), mistake, late);
+        let chip = Chip { part, dcmi, watchdog: Watchdog::default(), dcmi_slot, watchdog_slot };
+        Ok(Self { chip, sensors, mistake, rows, mavlink })
     }
 
-    /// Looks at the trigger pin.
+    /// The clock that comes out of the chip for the sensors, Hz.
+    fn master_clock(&mut self, now: VirtualNanos) -> Option<u64> {
+        let mut read = |address| self.chip.read(now, address, Width::W32).unwrap_or(0);
+        if read(MODER) >> 16 & 3 != 2 {
+            return None;
+        }
+        let (cfgr, selection, divisors) = (read(CFGR), read(PLLCKSELR), read(PLL1DIVR));
+        let crystal = if self.mistake == Some(Mistake::NoCrystal) { 0 } else { HSE };
+        let hz = match cfgr >> 22 & 7 {
+            0 => HSI,
+            2 => crystal,
+            3 => {
+                let input = [HSI, 4_000_000, crystal, 0][(selection & 3) as usize];
+                let reference = input / (selection >> 4 & 0x3F).max(1);
+                reference * ((divisors & 0x1FF) + 1) / ((divisors >> 16 & 0x7F) + 1)
+            }
+            _ => 0,
+        };
+        let divisor = cfgr >> 18 & 0xF;
+        (divisor > 0 && hz > 0).then(|| hz / divisor)
+    }
+
+    fn look_at_clock(&mut self, now: VirtualNanos) {
+        let clock = self.master_clock(now).filter(|_| self.mistake != Some(Mistake::NoMasterClock));
+        for sensor in &self.sensors {
+            sensor.lock().expect("nobody panics").clock = clock;
+        }
+    }
+
+    /// Looks at the pins that lead to the sensors: master clock and trigger.
     pub fn look(&mut self, now: VirtualNanos) {
+        self.look_at_clock(now);
         let (timer, registers) = self.chip.part.timer(TRIGGER_TIMER);
         let channel = rigless::soc::stm32h743::peripherals::tim::Channel::new(1).expect("a timer has it");
         let period = timer.pulse(channel, registers).map(|Pulse { period, .. }| period);
@@ -124,8 +192,11 @@ impl Rig {
 
     /// The program has written there. A timer that stands still matches nothing: rigless raises the compare
     /// flags of all channels whose value its counter is set to, by a write or an update, and the HAL's clock
-    /// would begin half a lap ahead of its timer and miss alarms.
-    pub fn written(&mut self, address: u64) {
+    /// would begin half a lap ahead of its timer and miss alarms. The sensors' clock may have changed.
+    pub fn written(&mut self, address: u64, now: VirtualNanos) {
+        if matches!(address, CFGR | MODER) {
+            self.look_at_clock(now);
+        }
         let Some(offset) = address.checked_sub(TIMERS) else { return };
         let (nth, offset) = ((offset / TIMER_SIZE) as usize, offset % TIMER_SIZE);
         let sets_count = [Register::Egr, Register::Cnt].iter().any(|set| u64::from(set.spec().offset) == offset);
@@ -196,7 +267,6 @@ impl Board for Rig {
 #[cfg(test)]
 mod tests {
     use rigless::emulator::{self, Memory};
-    use rigless::soc::Width;
 
     use super::*;
 
@@ -222,13 +292,13 @@ mod tests {
     }
 
     fn rig() -> Rig {
-        Rig::new(Camera::new(Vec::new(), [0, 0], 0, None).unwrap()).unwrap()
+        Rig::new(Camera::new(Vec::new(), [0, 0], 0, None).unwrap(), Model::Mt9v034, None, 0).unwrap()
     }
 
     fn write(rig: &mut Rig, at: u64, address: u64, value: u64) {
         run_until(rig, at);
         rig.chip.write(VirtualNanos(at), address, Width::W32, value).unwrap();
-        rig.written(address);
+        rig.written(address, VirtualNanos(at));
         rig.chip.settle(&mut NoMemory).unwrap();
     }
 

@@ -1,17 +1,15 @@
-//! What the cameras show: a dump in the middle of two HM01B0 views, line by line, with one fault.
+//! What the cameras show: a dump in the middle of two sensors' views, line by line, with one fault.
 //!
 //! A raw row of the dump is played as it is in the middle of a line, in the time of its pixels. So it may be
-//! of every wiring that has two bytes on one line for a pixel of both views: pixels by turns, their nibbles,
-//! or one view after the other, if the program takes them apart alike. What it is nobody checks.
+//! of every wiring that has two bytes on one line for a pixel of both views: seven bits of each, pixels by turns, their
+//! nibbles, or one view after the other, if the program takes them apart alike. What it is nobody checks.
 
 use std::str::FromStr;
 
 use anyhow::{Result, ensure};
 
-/// Pixels of a line of one sensor, border and all (datasheet, window QVGA).
-pub const SENSOR_WIDTH: usize = 324;
-/// Lines of a frame of a sensor in its QVGA window, and without it.
-pub const SENSOR_LINES: [usize; 2] = [244, 324];
+/// The largest view of a sensor, px.
+const MOST: [usize; 2] = [752, 480];
 /// The grey level around the dump.
 const BORDER: u8 = 0x40;
 
@@ -30,6 +28,8 @@ pub enum FaultKind {
     Garbage,
     /// No sensor answers on I2C for 300 ms.
     Silent,
+    /// No sensor answers on I2C for 300 ms after each of its resets.
+    Nak,
     /// The vision task stands still for ever.
     Hang,
     /// The vision task meets an instruction that is none.
@@ -37,13 +37,14 @@ pub enum FaultKind {
 }
 
 impl FaultKind {
-    const NAMES: [(&str, Self); 8] = [
+    const NAMES: [(&str, Self); 9] = [
         ("short", Self::Short),
         ("long", Self::Long),
         ("overrun", Self::Overrun),
         ("stall", Self::Stall),
         ("garbage", Self::Garbage),
         ("silent", Self::Silent),
+        ("nak", Self::Nak),
         ("hang", Self::Hang),
         ("crash", Self::Crash),
     ];
@@ -88,9 +89,10 @@ impl Camera {
     /// Plays `dump`, raw rows of two views of `width` x `height` px.
     pub fn new(dump: Vec<u8>, [width, height]: [usize; 2], frames: u32, fault: Option<Fault>) -> Result<Self> {
         ensure!(
-            width <= SENSOR_WIDTH && width % 2 == 0 && height <= SENSOR_LINES[0],
-            "a view of the dump may have at most {SENSOR_WIDTH}x{} px, and an even width",
-            SENSOR_LINES[0]
+            width <= MOST[0] && width % 2 == 0 && height <= MOST[1],
+            "a view of the dump may have at most {}x{} px, and an even width",
+            MOST[0],
+            MOST[1]
         );
         let frame = 2 * width * height;
         ensure!(
@@ -98,7 +100,7 @@ impl Camera {
             "the dump holds no whole number of frames of that size"
         );
         let recorded = dump.len().checked_div(frame).unwrap_or(0);
-        Ok(Self { dump, width, height, recorded, frames: if recorded == 0 { 0 } else { frames }, fault, noise: 1 })
+        Ok(Self { dump, width, height, recorded, frames, fault, noise: 1 })
     }
 
     /// What goes wrong with that frame.
@@ -115,25 +117,27 @@ impl Camera {
         }
     }
 
-    /// The bytes of a line, where a good frame has `lines` of them.
-    pub fn line(&mut self, frame: u32, line: usize, lines: usize) -> Vec<u8> {
+    /// The bytes of a line of two sensors of `pixels`, where a good frame has `lines` of them. Of a dump that is larger the
+    /// middle is seen.
+    pub fn line(&mut self, frame: u32, line: usize, lines: usize, pixels: usize) -> Vec<u8> {
         let middle = lines / 2;
         if self.trouble(frame) == Some(FaultKind::Garbage) && (middle..middle + 8).contains(&line) {
-            return self.garbage(line);
+            return self.garbage(line, pixels);
         }
-        let mut bytes = vec![BORDER; 2 * SENSOR_WIDTH];
-        let top = (lines - self.height) / 2;
-        if let Some(row) = line.checked_sub(top).filter(|&row| row < self.height) {
-            let raw_len = 2 * self.width;
-            let from = ((frame as usize % self.recorded) * self.height + row) * raw_len;
-            let left = SENSOR_WIDTH - self.width;
-            bytes[left..left + raw_len].copy_from_slice(&self.dump[from..from + raw_len]);
+        let mut bytes = vec![BORDER; 2 * pixels];
+        let row = (line + self.height / 2).checked_sub(lines / 2).filter(|&row| row < self.height);
+        if let Some(row) = row.filter(|_| self.recorded > 0) {
+            let width = self.width.min(pixels);
+            let start = ((frame as usize % self.recorded) * self.height + row) * 2 * self.width;
+            let from = start + (self.width - width);
+            let to = pixels - width;
+            bytes[to..to + 2 * width].copy_from_slice(&self.dump[from..from + 2 * width]);
         }
         bytes
     }
 
-    fn garbage(&mut self, line: usize) -> Vec<u8> {
-        let len = 2 * SENSOR_WIDTH - if line % 2 == 1 { 3 } else { 0 };
+    fn garbage(&mut self, line: usize, pixels: usize) -> Vec<u8> {
+        let len = 2 * pixels - if line % 2 == 1 { 3 } else { 0 };
         let mut next = || {
             self.noise = self.noise.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
             self.noise.to_be_bytes()[0]
@@ -149,11 +153,12 @@ mod tests {
     #[test]
     fn the_dump_is_in_the_middle_of_the_sensors_view() {
         let mut camera = Camera::new((1..=16).collect(), [4, 2], 1, None).unwrap();
-        let lines = SENSOR_LINES[0];
-        assert_eq!(camera.line(0, 0, lines), [BORDER; 2 * SENSOR_WIDTH]);
-        let line = camera.line(0, lines / 2, lines);
+        assert_eq!(camera.line(0, 0, 244, 324), [BORDER; 648]);
+        let line = camera.line(0, 122, 244, 324);
         assert_eq!(line[320..328], [9, 10, 11, 12, 13, 14, 15, 16]);
         assert_eq!((line.len(), line[319], line[328]), (648, BORDER, BORDER));
+        assert_eq!(camera.line(0, 0, 2, 4), [1, 2, 3, 4, 5, 6, 7, 8]);
+        assert_eq!(camera.line(0, 0, 2, 2), [3, 4, 5, 6]);
     }
 
     #[test]

@@ -1,19 +1,20 @@
-//! The camera interface of the STM32H743 (RM0433, chapter "DCMI"): 8 bits, hardware synchronisation,
-//! continuous mode.
+//! The camera interface of the STM32H743 (RM0433, chapter "DCMI"): 8 to 14 bits, hardware synchronisation,
+//! continuous mode; and the two sensors on its pins.
 //!
 //! Where the manual leaves a choice, the model takes the unkind one: bytes that fill no word stay until
 //! the interface is switched off, so that what follows is shifted by them; lines raise their flag also
-//! while no frame is captured; after an overrun nothing is stored until it is switched off and on.
+//! while no frame is captured; after an overrun nothing is stored until it is switched off and on. The words of a line
+//! are on their way for some microseconds when its end is told.
 
 use std::collections::VecDeque;
-use std::sync::{Arc, Mutex};
 
 use rigless::device::{Device, DeviceContext, Level, RegisterFile};
 use rigless::soc::stm32h743::generated::dcmi::{Register, cr, ris, sr};
 use rigless::time::{EventId, VirtualNanos};
 
-use crate::camera::{Camera, FaultKind, SENSOR_LINES, SENSOR_WIDTH};
-use crate::sensor::Registers;
+use crate::camera::{Camera, FaultKind};
+use crate::sensor::{Mode, Model, Shared, Timing};
+use crate::wires::Mistake;
 
 /// The request to the DMA multiplexer, and the interrupt.
 const REQUEST: usize = 0;
@@ -30,6 +31,8 @@ const STALL: u64 = 100_000_000;
 enum At {
     /// Between frames.
     Blank,
+    /// The pixels of a frame to come gather light.
+    Integration,
     /// Before that part of that line.
     Part(usize, usize),
     /// After the last line.
@@ -40,7 +43,8 @@ enum At {
 #[derive(Debug)]
 pub struct Dcmi {
     camera: Camera,
-    sensors: [Arc<Mutex<Registers>>; 2],
+    sensors: [Shared; 2],
+    mistake: Option<Mistake>,
     event: Option<(EventId, VirtualNanos)>,
     at: At,
     /// Frames that have ended.
@@ -49,7 +53,18 @@ pub struct Dcmi {
     pub ended: Option<VirtualNanos>,
     /// Next pulse of the trigger, and its period.
     trigger: Option<(u64, u64)>,
-    line: Vec<u8>,
+    /// The samples of the line under way, a bit a data line.
+    line: Vec<u16>,
+    /// The frame under way.
+    timing: Timing,
+    /// When it started, and when its integration ended, where there is a trigger.
+    began: u64,
+    /// When the last frames' first lines came, in their order.
+    pub shown: Vec<u64>,
+    /// How long words are on their way to the memory, ns; those that are, and when they arrive.
+    late: u64,
+    on_their_way: VecDeque<(u64, u32)>,
+    arrival: Option<EventId>,
     /// Whether the frame under way is stored.
     capturing: bool,
     /// Bytes that fill no word yet.
@@ -62,10 +77,17 @@ pub struct Dcmi {
 }
 
 impl Dcmi {
-    pub fn new(camera: Camera, sensors: [Arc<Mutex<Registers>>; 2]) -> Self {
+    pub fn new(camera: Camera, sensors: [Shared; 2], mistake: Option<Mistake>, late: u64) -> Self {
         Self {
             camera,
             sensors,
+            mistake,
+            timing: Timing::OFF,
+            began: 0,
+            shown: Vec::new(),
+            late,
+            on_their_way: VecDeque::new(),
+            arrival: None,
             event: None,
             at: At::Blank,
             frame: 0,
@@ -81,8 +103,9 @@ impl Dcmi {
         }
     }
 
-    /// The trigger pin pulses with this period, or not at all.
+    /// The trigger pin pulses with this period, or not at all. Sensors that need none may have been started.
     pub fn trigger(&mut self, period: Option<VirtualNanos>, context: &mut DeviceContext<'_>) {
+        let period = period.filter(|_| self.mistake != Some(Mistake::NoTrigger));
         match (period, self.trigger) {
             (Some(period), None) => {
                 self.trigger = Some((context.now().0 + period.0, period.0));
@@ -94,6 +117,16 @@ impl Dcmi {
             (None, _) => self.trigger = None,
             _ => {}
         }
+        let is_streaming = || matches!(self.sensor_timing().mode, Mode::Streaming(_));
+        if self.at == At::Blank && self.event.is_none() && is_streaming() {
+            self.wait_until(context.now().0 + 1, context);
+        }
+    }
+
+    /// The frames of both, which are alike unless somebody made a mistake.
+    fn sensor_timing(&self) -> Timing {
+        let [one, other] = self.sensors.each_ref().map(|sensor| sensor.lock().expect("nobody panics").timing());
+        if one.mode == Mode::Off || other.mode == Mode::Off { Timing::OFF } else { one }
     }
 
     /// Frames that have begun, whether they have ended or not.
@@ -116,6 +149,7 @@ impl Dcmi {
     pub fn restarted(&mut self, registers: &mut RegisterFile, context: &mut DeviceContext<'_>) {
         self.switch_off();
         self.trigger = None;
+        self.arrival = None;
         let event = self.event.take().filter(|_| self.at != At::Blank);
         if let Some((_, at)) = event {
             self.wait_until(at.0, context);
@@ -128,48 +162,51 @@ impl Dcmi {
         self.capturing = false;
         self.partial.clear();
         self.fifo.clear();
-    }
-
-    /// Lines of a good frame, time of a line, and time of its pixels.
-    fn timing(&self) -> (usize, u64, u64) {
-        let sensor = self.sensors[0].lock().expect("nobody panics");
-        let nanos = |clocks: u64| clocks * 1_000_000_000 / sensor.pixel_rate();
-        let lines = SENSOR_LINES[usize::from(!sensor.has_window())];
-        (lines, nanos(sensor.line_length().max(SENSOR_WIDTH as u64 + 8)), nanos(SENSOR_WIDTH as u64))
+        self.on_their_way.clear();
     }
 
     fn step(&mut self, registers: &mut RegisterFile, context: &mut DeviceContext<'_>) {
         let now = context.now().0;
-        let (lines, line_time, pixel_time) = self.timing();
-        let is_armed = self.sensors.iter().all(|sensor| sensor.lock().expect("nobody panics").is_armed());
+        let is_on = self.sensor_timing().mode != Mode::Off;
         let wait = match self.at {
             At::Blank => {
-                if !is_armed || self.frame >= self.camera.frames {
-                    self.next_trigger(context);
+                if !is_on || self.frame >= self.camera.frames {
+                    self.next_frame(context);
                     return;
                 }
+                for sensor in &self.sensors {
+                    sensor.lock().expect("nobody panics").begin_frame();
+                }
+                self.timing = self.sensor_timing();
+                self.began = now;
+                self.at = At::Integration;
+                self.timing.integration
+            }
+            At::Integration => {
+                self.shown.push(now);
                 self.start(registers);
-                line_time
+                self.timing.line
             }
             // A sensor that is reset shows nothing more.
-            At::Part(..) if !is_armed => {
+            At::Part(..) if !is_on => {
                 self.at = At::End;
                 0
             }
-            At::Part(line, 0) if line >= self.camera.lines(self.frame, lines) => {
+            At::Part(line, 0) if line >= self.camera.lines(self.frame, self.timing.lines) => {
                 self.at = At::End;
                 0
             }
-            At::Part(line, part) => self.part(line, part, lines, pixel_time, line_time, registers),
+            At::Part(line, part) => self.part(line, part, registers, now),
             At::End => {
                 self.end(registers);
                 self.update(registers, context);
                 self.ended = Some(VirtualNanos(now));
-                self.next_trigger(context);
+                self.next_frame(context);
                 return;
             }
         };
         self.update(registers, context);
+        self.expect_arrival(context);
         self.wait_until(now + wait, context);
     }
 
@@ -178,50 +215,76 @@ impl Dcmi {
         self.event = Some((context.schedule(at), at));
     }
 
-    /// Waits for the next pulse of the trigger.
-    fn next_trigger(&mut self, context: &mut DeviceContext<'_>) {
-        let Some((next, period)) = &mut self.trigger else { return };
-        while *next <= context.now().0 {
-            *next += *period;
+    /// Waits for the next pulse of the trigger, or for the time of the next frame.
+    fn next_frame(&mut self, context: &mut DeviceContext<'_>) {
+        let now = context.now().0;
+        match self.sensor_timing().mode {
+            Mode::Streaming(period) if self.frame < self.camera.frames => {
+                let next = self.began + period * now.saturating_sub(self.began).div_ceil(period).max(1);
+                self.wait_until(next, context);
+            }
+            _ => {
+                let Some((next, period)) = &mut self.trigger else { return };
+                while *next <= now {
+                    *next += *period;
+                }
+                let next = *next;
+                self.wait_until(next, context);
+            }
         }
-        let next = *next;
-        self.wait_until(next, context);
     }
 
     fn start(&mut self, registers: &mut RegisterFile) {
         let control = registers.get(Register::Cr);
         self.capturing = cr::ENABLE.is_set(control) && cr::CAPTURE.is_set(control);
         self.at = At::Part(0, 0);
-        registers.set(Register::Sr, sr::HSYNC.mask());
+        self.set_sync(registers, sr::HSYNC.mask());
+    }
+
+    /// The sync signals as the port sees them: high where there are no pixels.
+    fn set_sync(&self, registers: &mut RegisterFile, signals: u64) {
+        let signals = match self.mistake {
+            Some(Mistake::NoPixelClock) => return,
+            Some(Mistake::NoLines) => signals & !sr::HSYNC.mask(),
+            Some(Mistake::NoFrames) => signals & !sr::VSYNC.mask(),
+            _ => signals,
+        };
+        registers.set(Register::Sr, signals);
+    }
+
+    /// Raises a flag, unless its signal does not come.
+    fn raise(&self, registers: &mut RegisterFile, flag: u64) {
+        let missing = match self.mistake {
+            Some(Mistake::NoPixelClock) => u64::MAX,
+            Some(Mistake::NoLines) => ris::LINE_RIS.mask(),
+            Some(Mistake::NoFrames) => ris::FRAME_RIS.mask() | ris::VSYNC_RIS.mask(),
+            _ => 0,
+        };
+        raise(registers, flag & !missing);
     }
 
     fn end(&mut self, registers: &mut RegisterFile) {
         if self.capturing {
-            raise(registers, ris::FRAME_RIS.mask());
+            self.raise(registers, ris::FRAME_RIS.mask());
         }
         if cr::ENABLE.is_set(registers.get(Register::Cr)) {
-            raise(registers, ris::VSYNC_RIS.mask());
+            self.raise(registers, ris::VSYNC_RIS.mask());
         }
-        registers.set(Register::Sr, sr::HSYNC.mask() | sr::VSYNC.mask());
-        self.capturing = false;
+        self.set_sync(registers, sr::HSYNC.mask() | sr::VSYNC.mask());
+        // Without a frame signal the port goes on with what it began.
+        self.capturing &= self.mistake == Some(Mistake::NoFrames);
         self.frame += 1;
         self.at = At::Blank;
     }
 
     /// A quarter of a line, and how long until the next one.
-    fn part(
-        &mut self,
-        line: usize,
-        part: usize,
-        lines: usize,
-        pixel_time: u64,
-        line_time: u64,
-        registers: &mut RegisterFile,
-    ) -> u64 {
+    fn part(&mut self, line: usize, part: usize, registers: &mut RegisterFile, now: u64) -> u64 {
+        let Timing { lines, pixels, line: line_time, pixel: pixel_time, .. } = self.timing;
         let trouble = self.camera.trouble(self.frame).filter(|_| line == lines / 2);
         if part == 0 {
-            self.line = self.camera.line(self.frame, line, lines);
-            registers.set(Register::Sr, 0);
+            let bytes = self.camera.line(self.frame, line, lines, pixels);
+            self.line = self.samples(&bytes, registers);
+            self.set_sync(registers, 0);
         }
         if part == 1 && trouble == Some(FaultKind::Stall) && !self.has_stalled {
             self.has_stalled = true;
@@ -229,21 +292,58 @@ impl Dcmi {
         }
         if part == PARTS {
             self.at = At::Part(line + 1, 0);
-            registers.set(Register::Sr, sr::HSYNC.mask());
+            self.set_sync(registers, sr::HSYNC.mask());
             if cr::ENABLE.is_set(registers.get(Register::Cr)) {
-                raise(registers, ris::LINE_RIS.mask());
+                self.raise(registers, ris::LINE_RIS.mask());
             }
             return line_time - pixel_time;
         }
         let (from, to) = (self.line.len() * part / PARTS, self.line.len() * (part + 1) / PARTS);
-        if self.capturing {
+        if self.capturing && self.mistake != Some(Mistake::NoPixelClock) {
             if part == 2 && trouble == Some(FaultKind::Overrun) {
                 self.overrun(registers);
             }
-            self.store(from, to, registers);
+            self.store(from, to, registers, now);
         }
         self.at = At::Part(line, part + 1);
         pixel_time / PARTS as u64
+    }
+
+    /// What the data lines carry of a line's bytes, a sample a pixel clock, as the port takes them.
+    fn samples(&self, bytes: &[u8], registers: &RegisterFile) -> Vec<u16> {
+        let patterns = self.sensors.each_ref().map(|sensor| sensor.lock().expect("nobody panics").timing().pattern);
+        let is_wide = self.sensors[0].lock().expect("nobody panics").model == Model::Mt9v034;
+        let mut samples: Vec<u16> = if is_wide {
+            let pairs = bytes.as_chunks::<2>().0.iter();
+            pairs
+                .map(|&pair| {
+                    let seen = u16::from_le_bytes(pair) & 0x3FFF;
+                    let of = |pattern: Option<u16>, seen: u16| pattern.map_or(seen, |pattern| pattern >> 3 & 0x7F);
+                    of(patterns[0], seen & 0x7F) | of(patterns[1], seen >> 7) << 7
+                })
+                .collect()
+        } else {
+            bytes.iter().map(|&byte| patterns[0].unwrap_or(u16::from(byte))).collect()
+        };
+        // An odd byte left over is half a sample.
+        if is_wide && !bytes.len().is_multiple_of(2) {
+            samples.pop();
+        }
+        let second = if is_wide { 0x3F80 } else { 0xF0 };
+        if self.timing.is_free {
+            // Each by its own oscillator: nobody knows by how much.
+            Mistake::OutOfPhase(5).bend(&mut samples, second);
+        }
+        // Pixels taken at the wrong edge are those of nobody.
+        if self.timing.is_falling == cr::PCKPOL.is_set(registers.get(Register::Cr)) {
+            for at in 1..samples.len() {
+                samples[at - 1] = samples[at - 1] & 0x1555 | samples[at] & !0x1555;
+            }
+        }
+        if let Some(mistake) = self.mistake {
+            mistake.bend(&mut samples, second);
+        }
+        samples
     }
 
     fn overrun(&mut self, registers: &mut RegisterFile) {
@@ -251,7 +351,7 @@ impl Dcmi {
         self.switch_off();
     }
 
-    fn store(&mut self, from: usize, to: usize, registers: &mut RegisterFile) {
+    fn store(&mut self, from: usize, to: usize, registers: &mut RegisterFile, now: u64) {
         if !self.capturing {
             return;
         }
@@ -261,13 +361,34 @@ impl Dcmi {
             self.overrun(registers);
             return;
         }
-        for &byte in &self.line[from..to] {
-            self.partial.push(byte);
+        // With more than eight lines a sample takes two bytes.
+        let edm = cr::EDM.get(registers.get(Register::Cr));
+        for &sample in &self.line[from..to] {
+            let [low, high] = (sample & ((1 << (8 + 2 * edm)) - 1)).to_le_bytes();
+            self.partial.push(low);
+            if edm > 0 {
+                self.partial.push(high);
+            }
             if let Ok(word) = <[u8; 4]>::try_from(self.partial.as_slice()) {
-                self.fifo.push_back(u32::from_le_bytes(word));
+                self.on_their_way.push_back((now + self.late, u32::from_le_bytes(word)));
                 self.partial.clear();
                 self.words += 1;
             }
+        }
+        self.arrive(now);
+    }
+
+    /// Words that have arrived.
+    fn arrive(&mut self, now: u64) {
+        while let Some((_, word)) = self.on_their_way.pop_front_if(|(at, _)| *at <= now) {
+            self.fifo.push_back(word);
+        }
+    }
+
+    /// Waits for the next word that is on its way.
+    fn expect_arrival(&mut self, context: &mut DeviceContext<'_>) {
+        if let (None, Some(&(at, _))) = (self.arrival, self.on_their_way.front()) {
+            self.arrival = Some(context.schedule(VirtualNanos(at)));
         }
     }
 
@@ -317,6 +438,11 @@ impl Device for Dcmi {
         if self.event.is_some_and(|(awaited, _)| awaited == event) {
             self.event = None;
             self.step(registers, context);
+        } else if self.arrival == Some(event) {
+            self.arrival = None;
+            self.arrive(context.now().0);
+            self.expect_arrival(context);
+            self.update(registers, context);
         }
     }
 
@@ -324,6 +450,7 @@ impl Device for Dcmi {
         // The clock controller resets the interface, and what it waited for is gone; the cameras go on.
         registers.reset();
         self.switch_off();
+        self.arrival = None;
         if let Some((_, at)) = self.event {
             self.wait_until(at.0, context);
         }

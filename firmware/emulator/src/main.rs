@@ -1,11 +1,11 @@
-//! The unmodified program of the board on an emulated STM32H743, with two HM01B0 cameras that play a
+//! The unmodified program of the board on an emulated STM32H743, with two MT9V034 or HM01B0 cameras that play a
 //! raw dump of `haarline record`.
 //!
 //! The log that it leaves goes on over resets, each with a line that says when and by whom; so do the bytes
 //! of the serial ports.
 //!
 //! What it is not: caches, wait states and bus contention are not emulated, every instruction takes a
-//! cycle of 480 MHz, DMA is instant. Time is virtual, so a run is the same run every time.
+//! cycle of 480 MHz, DMA is late by a fixed time. Time is virtual, so a run is the same run every time.
 
 mod board;
 mod camera;
@@ -18,6 +18,7 @@ mod strike;
 mod symbols;
 mod watchdog;
 mod wire;
+mod wires;
 
 use std::fs;
 use std::path::PathBuf;
@@ -25,8 +26,12 @@ use std::process::ExitCode;
 
 use anyhow::{Context, Result, ensure};
 use clap::Parser;
+use rigless::chip::uart::TcpPeer;
 
+use board::Rig;
 use camera::{Camera, Fault};
+use sensor::Model;
+use wires::Mistake;
 
 /// Runs a program for the STM32H743 with two cameras.
 #[derive(Parser)]
@@ -44,8 +49,19 @@ struct Args {
     /// nobody sees the next ten
     #[arg(long, default_value_t = 2, value_name = "N")]
     frames: u32,
-    /// One fault: of the camera short, long, overrun, stall, garbage@FRAME, or silent (no sensor answers for
-    /// 300 ms); of the program, which works on no row from that frame on until the part is reset, hang or
+    /// The sensors, mt9v034 (seven lines of each) or hm01b0
+    #[arg(long, default_value = "mt9v034", value_name = "MODEL")]
+    sensor: Model,
+    /// One mistake in the wires: stuck-low:LINE, stuck-high:LINE, swapped:LINE:LINE, shorted:LINE:LINE,
+    /// no-pixel-clock, no-lines, no-frames, no-master-clock, no-trigger, mute:SENSOR, another:SENSOR,
+    /// crossed-buses, out-of-phase:CLOCKS, no-crystal
+    #[arg(long, value_name = "MISTAKE")]
+    wires: Option<Mistake>,
+    /// How long words are on their way from the camera interface to the memory, ns
+    #[arg(long, default_value_t = 2000, value_name = "NS")]
+    dma_late: u64,
+    /// One fault: of the camera short, long, overrun, stall, garbage@FRAME, silent (no sensor answers for
+    /// 300 ms), or nak (none for 300 ms after its reset); of the program, which works on no row from that frame on until the part is reset, hang or
     /// crash@FRAME
     #[arg(long, value_name = "KIND[@FRAME]")]
     fault: Option<Fault>,
@@ -55,6 +71,9 @@ struct Args {
     /// Where the bytes of the second serial port go: MAVLink
     #[arg(long, value_name = "FILE")]
     mavlink: Option<PathBuf>,
+    /// Lets `haarline silicon` talk over the debugger's serial port, at this port of 127.0.0.1; 0 is any, and is printed
+    #[arg(long, value_name = "PORT")]
+    host: Option<u16>,
     /// Where the log goes, as text
     #[arg(long, value_name = "FILE")]
     log: Option<PathBuf>,
@@ -87,7 +106,18 @@ fn run(args: &Args) -> Result<()> {
         None => Vec::new(),
     };
     let camera = Camera::new(dump, args.size.unwrap_or([0, 0]), args.frames, args.fault)?;
-    let outcome = run::run(&args.elf, camera, args.limit, args.tail)?;
+    let host = args.host.map(TcpPeer::listen).transpose().context("--host")?;
+    if let Some(host) = &host {
+        println!("listening at 127.0.0.1:{}", host.port()?);
+    }
+    let make = |camera| {
+        let mut rig = Rig::new(camera, args.sensor, args.wires, args.dma_late)?;
+        if let Some(host) = host {
+            rig.attach_host(host);
+        }
+        Ok(rig)
+    };
+    let outcome = run::run(&args.elf, camera, make, args.limit, args.tail)?;
     for (path, bytes) in
         [(&args.rows, &outcome.rows), (&args.mavlink, &outcome.mavlink), (&args.log, &outcome.log.into_bytes())]
     {

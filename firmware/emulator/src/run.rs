@@ -73,7 +73,7 @@ impl Driver<Rig> for Watcher {
         }
         match settled {
             Settled::Access { access, .. } if access.kind == AccessKind::Write => {
-                session.board_mut().written(access.address);
+                session.board_mut().written(access.address, access.virtual_time);
             }
             Settled::Stop(stop) => self.strike(session.board().chip.dcmi.begun(), stop.at, host),
             _ => {}
@@ -95,13 +95,19 @@ impl Driver<Rig> for Watcher {
 }
 
 /// Runs the program until the cameras have shown everything, or for `limit` ms.
-pub fn run(elf: &Path, camera: Camera, limit: u64, tail: u64) -> Result<Outcome> {
+pub fn run(
+    elf: &Path,
+    camera: Camera,
+    make: impl FnOnce(Camera) -> Result<Rig, rigless::soc::Error>,
+    limit: u64,
+    tail: u64,
+) -> Result<Outcome> {
     let name = || elf.display().to_string();
     let program = fs::read(elf).with_context(name)?;
     let block = symbols::control_block(&program).with_context(name)?;
     let images = [Image::read(elf, None).with_context(name)?];
     let strike = Strike::new(camera.fault, &program).with_context(name)?;
-    let session = Session::new(Box::new(Rig::new(camera)?), 0, VirtualNanos(LOOK))?;
+    let session = Session::new(Box::new(make(camera)?), 0, VirtualNanos(LOOK))?;
     let rtt = Rtt::new(block);
     let watcher = Watcher { rtt, strike, struck: None, resets: 0, limit, tail, instructions: 0, failed: None };
     let finished = emulator::run(session, &Start::new(&images), watcher)?;
@@ -110,7 +116,7 @@ pub fn run(elf: &Path, camera: Camera, limit: u64, tail: u64) -> Result<Outcome>
         return Err(error);
     }
     let board = session.board();
-    let heard = |wire: &crate::wire::Heard| wire.lock().expect("nobody panics").clone();
+    let heard = |wire: &crate::wire::Heard| wire.lock().expect("nobody panics").bytes.clone();
     let (rows, mavlink) = (heard(&board.rows), heard(&board.mavlink));
     let resets: Vec<String> = session.resets().iter().map(told).collect();
     let log = log::text(&program, &watcher.rtt.runs, &resets).with_context(name)?;
@@ -126,6 +132,10 @@ pub fn run(elf: &Path, camera: Camera, limit: u64, tail: u64) -> Result<Outcome>
         CLOCK / 1_000_000
     );
     let _ = writeln!(text, "frames shown {}, words stored {}, FIFO overruns {}", dcmi.frame, dcmi.words, dcmi.overruns);
+    let ended = board.rows.lock().expect("nobody panics").ended.clone();
+    if let Some(latency) = latency(&dcmi.shown, &ended) {
+        let _ = writeln!(text, "from the end of the integration to the last row's packet at most {}", ms(latency));
+    }
     let bits = dcmi.bits().map(|bits| bits.map_or("unknown".to_owned(), |bits| bits.to_string()));
     let _ = writeln!(text, "bits of the sensors: {}", bits.join(" and "));
     let logged: usize = watcher.rtt.runs.iter().map(Vec::len).sum();
@@ -149,6 +159,15 @@ pub fn run(elf: &Path, camera: Camera, limit: u64, tail: u64) -> Result<Outcome>
         let _ = writeln!(text, "unmapped: {access:?}");
     }
     Ok(Outcome { rows, mavlink, log, text, is_fatal: !unmapped.is_empty() })
+}
+
+/// The longest time from the first line of a frame to the last byte before the next one's first.
+fn latency(shown: &[u64], ended: &[u64]) -> Option<VirtualNanos> {
+    let frames = shown.windows(2).filter_map(|frame| {
+        let last = ended.iter().copied().filter(|at| (frame[0]..frame[1]).contains(at)).max()?;
+        Some(last - frame[0])
+    });
+    frames.max().map(VirtualNanos)
 }
 
 fn ms(at: VirtualNanos) -> String {
