@@ -75,7 +75,7 @@ def said(folder, elf, mistake):
     name = (mistake or "nothing").replace(":", "_")
     log, rows = folder / f"{name}.log", folder / f"{name}.rows"
     words = ["--wires", mistake] if mistake else []
-    run(EMULATOR, elf, *words, "--frames", 1000, "--limit", 3000, "--log", log, "--rows", rows)
+    run(EMULATOR, elf, *words, "--frames", 1000, "--limit", 1500, "--log", log, "--rows", rows)
     text = log.read_text()
     if "bringup: " not in text:
         sys.exit(f"{name}: it never ends:\n{text}")

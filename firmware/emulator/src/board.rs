@@ -43,6 +43,8 @@ const BUSES: [usize; 2] = [0, 1];
 /// Registers of the clock controller: `CFGR`, `PLLCKSELR`, `PLL1DIVR`; and `GPIOA_MODER`, in which bits 16 and 17 are the
 /// clock's pin PA8.
 const CFGR: u64 = 0x5802_4410;
+const RCC_CR: u64 = 0x5802_4400;
+const HSEON: u64 = 1 << 16;
 const PLLCKSELR: u64 = 0x5802_4428;
 const PLL1DIVR: u64 = 0x5802_4430;
 const MODER: u64 = 0x5802_0000;
@@ -196,6 +198,14 @@ impl Rig {
     pub fn written(&mut self, address: u64, now: VirtualNanos) {
         if matches!(address, CFGR | MODER) {
             self.look_at_clock(now);
+        }
+        // An oscillator without its crystal never gets ready; the model's would, so it is not started.
+        if address == RCC_CR && self.mistake == Some(Mistake::NoCrystal) {
+            let control = self.chip.read(now, RCC_CR, Width::W32).unwrap_or(0);
+            if control & HSEON != 0 {
+                // What cannot be written shows as a crystal after all.
+                let _ = self.chip.write(now, RCC_CR, Width::W32, control & !HSEON);
+            }
         }
         let Some(offset) = address.checked_sub(TIMERS) else { return };
         let (nth, offset) = ((offset / TIMER_SIZE) as usize, offset % TIMER_SIZE);

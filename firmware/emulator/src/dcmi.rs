@@ -111,7 +111,7 @@ impl Dcmi {
                 self.trigger = Some((context.now().0 + period.0, period.0));
                 // A frame that outlived a reset ends first.
                 if self.at == At::Blank {
-                    self.next_trigger(context);
+                    self.next_frame(context);
                 }
             }
             (None, _) => self.trigger = None,
@@ -129,9 +129,15 @@ impl Dcmi {
         if one.mode == Mode::Off || other.mode == Mode::Off { Timing::OFF } else { one }
     }
 
+    /// Whether the frame under way is one of the dump's.
+    fn is_shown(&self) -> bool {
+        let is_mt9v034 = self.sensors[0].lock().expect("nobody panics").model == Model::Mt9v034;
+        !is_mt9v034 || self.timing.mode == Mode::Triggered
+    }
+
     /// Frames that have begun, whether they have ended or not.
     pub fn begun(&self) -> u32 {
-        self.frame + u32::from(self.at != At::Blank)
+        self.frame + u32::from(self.at != At::Blank && self.is_shown())
     }
 
     /// On how many lines each sensor gives a pixel.
@@ -183,7 +189,9 @@ impl Dcmi {
                 self.timing.integration
             }
             At::Integration => {
-                self.shown.push(now);
+                if self.is_shown() {
+                    self.shown.push(now);
+                }
                 self.start(registers);
                 self.timing.line
             }
@@ -273,7 +281,8 @@ impl Dcmi {
         self.set_sync(registers, sr::HSYNC.mask() | sr::VSYNC.mask());
         // Without a frame signal the port goes on with what it began.
         self.capturing &= self.mistake == Some(Mistake::NoFrames);
-        self.frame += 1;
+        // What an MT9V034 shows by itself, before it is set up, is none of the dump's frames.
+        self.frame += u32::from(self.is_shown());
         self.at = At::Blank;
     }
 

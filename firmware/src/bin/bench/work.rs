@@ -108,7 +108,7 @@ impl Work {
         let begun = DWT::cycle_count();
         let pair = ScanlinePair { left, right };
         let Self { rows, delivered, clock, .. } = self;
-        let pushed = method.push(pair, &mut |row| deliver(rows, delivered, *clock, &row));
+        let pushed = method.push(pair, &mut |row| deliver(rows, delivered, clock, &row));
         self.clock.rest(Worked::Row);
         self.worst = self.worst.max(DWT::cycle_count().wrapping_sub(begun));
         if pushed.is_err() { Answer::Refused("the method refuses the row") } else { Answer::Done(self.delivered) }
@@ -116,7 +116,7 @@ impl Work {
 
     fn finish(&mut self, method: &mut dyn StereoMethod) -> Answer<'static> {
         let Self { rows, delivered, clock, .. } = self;
-        method.finish(&mut |row| deliver(rows, delivered, *clock, &row));
+        method.finish(&mut |row| deliver(rows, delivered, clock, &row));
         self.clock.rest(Worked::FrameEnd);
         Answer::Done(self.delivered)
     }

@@ -114,7 +114,7 @@ async fn set_up(report: &mut Report, buses: &mut [Bus; 2]) -> Option<[u8; 2]> {
         match sensors::try_set_up(bus, setup, &mut false).await {
             Ok(address) => {
                 *place = Some(address);
-                report.good(3, &format_args!("sensor {number} is a {} and holds what was written", Model::NAME));
+                report.good(3, &format_args!("sensor {number} is an {} and holds what was written", Model::NAME));
             }
             Err(SensorError::Silent(_)) => report.bad(
                 3,
@@ -143,6 +143,7 @@ async fn signals(report: &mut Report, camera: &mut Camera, sensors: &mut Sensors
         sensors.trigger.ch1().set_duty_cycle_percent(10);
         sensors.trigger.ch1().enable();
     }
+    camera.begin();
     // The first frames may be of before.
     survey::count(camera, COUNT).await;
     let begun = Instant::now();

@@ -8,6 +8,8 @@ use haarline_firmware::board::this::camera::Camera;
 use haarline_firmware::bringup::lines::Seen;
 use haarline_firmware::bringup::signals::Counted;
 
+/// Between two looks at how far DMA has come.
+const LOOK: Duration = Duration::from_micros(700);
 /// Bytes of a row.
 pub const ROW: usize = 2 * WIDTH as usize;
 
@@ -16,8 +18,8 @@ pub async fn count(camera: &mut Camera, time: Duration) -> Counted {
     let mut counted = Counted::default();
     let mut bytes = [0; ROW];
     let (end, position) = (Instant::now() + time, Camera::position());
-    loop {
-        match select(camera.next(&mut bytes), Timer::at(end)).await {
+    while Instant::now() < end {
+        match select(camera.next(&mut bytes), Timer::after(LOOK)).await {
             Either::First(event) => match event {
                 SourceEvent::Row(_) | SourceEvent::Border => {
                     counted.lines += 1;
@@ -29,11 +31,11 @@ pub async fn count(camera: &mut Camera, time: Duration) -> Counted {
                 SourceEvent::Overrun => counted.has_bytes = true,
                 _ => {}
             },
-            Either::Second(()) => break,
+            Either::Second(()) => {}
         }
+        // In the middle of a frame: the ring may hold a whole number of times in one.
         counted.has_bytes |= Camera::position() != position;
     }
-    counted.has_bytes |= Camera::position() != position;
     counted
 }
 

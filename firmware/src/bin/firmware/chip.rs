@@ -18,7 +18,7 @@ use haarline_firmware::board::this::cycles::CycleClock;
 use haarline_firmware::board::this::dma_memory::DmaCell;
 use haarline_firmware::board::this::pair::LINE_US;
 use haarline_firmware::board::this::parts::Parts;
-use haarline_firmware::board::this::sensors::Sensors;
+use haarline_firmware::board::this::sensors::{Ready, Sensors};
 use haarline_firmware::board::this::serial::Serial;
 use haarline_firmware::board::this::start::Started;
 use haarline_firmware::board::this::watchdog::{self, Watchdog};
@@ -40,6 +40,8 @@ type Behind = Rectified<&'static mut dyn StereoMethod, { PLAN.waiting_rows() }, 
 
 /// What happened to the camera's frames.
 static COUNTERS: SharedCounters = SharedCounters::new();
+/// The sensors are set up.
+static READY: Ready = Ready::new();
 static METHOD_FULL: StaticCell<Full<BLOCKS, Clock>> = StaticCell::new();
 static METHOD_LITE: StaticCell<Lite<BLOCKS, Clock>> = StaticCell::new();
 static BEHIND: StaticCell<Behind> = StaticCell::new();
@@ -113,7 +115,9 @@ fn behind_offset(clock: Clock) -> &'static mut Behind {
 }
 
 #[embassy_executor::task]
-async fn capture_task(camera: Camera, ring: To<RawRow>) {
+async fn capture_task(mut camera: Camera, ring: To<RawRow>) {
+    READY.wait().await;
+    camera.begin();
     let raw_len = settings::WIRING.row_bytes(settings::WIDTH);
     capture::capture(camera, ring, &COUNTERS, PATIENCE, raw_len, settings::HEIGHT).await;
 }
@@ -149,7 +153,7 @@ async fn autopilot_task(serial: Serial) {
 
 #[embassy_executor::task]
 async fn sensors_task(sensors: Sensors) {
-    sensors::run(sensors).await;
+    sensors::run(sensors, &READY).await;
 }
 
 #[embassy_executor::task]

@@ -185,11 +185,11 @@ pub struct Camera {
 }
 
 impl Camera {
-    /// Starts the port. Can be called once.
+    /// Takes the port, which stores nothing until [`begin`](Self::begin). Can be called once.
     ///
     /// # Panics
     /// If it is called twice.
-    pub fn start(
+    pub fn new(
         _port: Peri<'static, peripherals::DCMI>,
         dma: Peri<'static, DMA1_CH0>,
         irqs: impl Binding<DMA1_STREAM0, InterruptHandler<DMA1_CH0>> + 'static,
@@ -206,15 +206,18 @@ impl Camera {
         let (events, taken) = EVENTS.take().split();
         let port = Port::new(LINE_WORDS_U32, u32::try_from(RING).unwrap_or(0));
         critical_section::with(|cs| SERVED.borrow_ref_mut(cs).replace(Served { port, events }));
-        let mut camera = Self { ring, events: taken, read: 0, line: 0, line_bytes: [0; LINE_WORDS], _pins: pins };
-        camera.restart();
+        Self { ring, events: taken, read: 0, line: 0, line_bytes: [0; LINE_WORDS], _pins: pins }
+    }
+
+    /// Stores from the next frame's start on. What sensors show before they are set up is nobody's.
+    pub fn begin(&mut self) {
+        self.restart();
         DCMI::unpend();
         #[expect(unsafe_code, reason = "its handler is ready")]
         // SAFETY: no critical section is built on its mask.
         unsafe {
             DCMI::enable();
         }
-        camera
     }
 
     /// Where in the ring DMA stores next: it moves as long as bytes come.

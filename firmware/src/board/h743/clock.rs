@@ -32,10 +32,9 @@ pub enum Source {
 /// Tries the crystal. The HAL would wait for it for ever.
 #[must_use]
 pub fn find_source() -> Source {
-    pac::RCC.cr().modify(|w| {
-        w.set_hsebyp(true);
-        w.set_hseon(true);
-    });
+    // In this order: the bypass can be written only while it is off.
+    pac::RCC.cr().modify(|w| w.set_hsebyp(true));
+    pac::RCC.cr().modify(|w| w.set_hseon(true));
     let mut looks = 0;
     while looks < LOOKS && !pac::RCC.cr().read().hserdy() {
         looks += 1;

@@ -1,6 +1,6 @@
 //! An I2C bus on which a reset of the chip left a transfer unfinished.
 
-use embassy_stm32::gpio::{Flex, Speed};
+use embassy_stm32::gpio::{Flex, Pull, Speed};
 
 use super::clock::CORE;
 
@@ -14,7 +14,7 @@ const CLOCKS: u32 = 9;
 pub fn free<'a>(number: u8, mut scl: Flex<'a>, mut sda: Flex<'a>) {
     for pin in [&mut scl, &mut sda] {
         pin.set_high();
-        pin.set_as_input_output(Speed::Low);
+        pin.set_as_input_output_pull(Speed::Low, Pull::Up);
     }
     cortex_m::asm::delay(HALF);
     if sda.is_high() {
@@ -37,6 +37,6 @@ pub fn free<'a>(number: u8, mut scl: Flex<'a>, mut sda: Flex<'a>) {
     if sda.is_high() {
         defmt::warn!("I2C bus {=u8} was in the middle of a transfer: freed", number);
     } else {
-        defmt::error!("I2C bus {=u8}: its data line stays low: no pull-up, no supply, or a short", number);
+        defmt::error!("I2C bus {=u8}: its data line stays low: a short, or a sensor without supply", number);
     }
 }

@@ -101,7 +101,7 @@ impl Parts {
             Flex::new(p.PG15),
         ];
         let pins = Pins::new(data, [Flex::new(p.PA6), Flex::new(p.PA4), Flex::new(p.PG9)]);
-        let camera = Camera::start(p.DCMI, p.DMA1_CH0, Irqs, pins);
+        let camera = Camera::new(p.DCMI, p.DMA1_CH0, Irqs, pins);
 
         let mut config = usart::Config::default();
         config.baudrate = ROWS_BAUD;

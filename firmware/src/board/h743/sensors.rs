@@ -5,6 +5,8 @@ use embassy_stm32::i2c::{Error, I2c, Master};
 use embassy_stm32::mode::Blocking;
 use embassy_stm32::peripherals::TIM3;
 use embassy_stm32::timer::simple_pwm::SimplePwm;
+use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
+use embassy_sync::signal::Signal;
 use embassy_time::{Duration, Instant, Timer};
 
 use super::pair::{COPIES, IS_TRIGGERED, Model, SETUPS};
@@ -34,6 +36,9 @@ impl sensor::Bus for Bus {
     }
 }
 
+/// Tells that the sensors are set up.
+pub type Ready = Signal<CriticalSectionRawMutex, ()>;
+
 /// Both sensors.
 pub struct Sensors {
     /// The buses; the second one is in use only where each sensor has its own.
@@ -42,8 +47,9 @@ pub struct Sensors {
     pub trigger: SimplePwm<'static, TIM3>,
 }
 
-/// Sets both sensors up, tries until they answer; starts them, and lets the second expose as the first does.
-pub async fn run(sensors: Sensors) {
+/// Sets both sensors up, tries until they answer; tells by `ready` that they are, starts them, and lets the second expose as
+/// the first does.
+pub async fn run(sensors: Sensors, ready: &Ready) {
     let Sensors { mut buses, mut trigger } = sensors;
     let mut addresses = [0; 2];
     for ((nth, bus), setup) in buses.iter_mut().enumerate().zip(SETUPS) {
@@ -52,6 +58,9 @@ pub async fn run(sensors: Sensors) {
             *place = address;
         }
     }
+    // The camera port is to wait for their first frame.
+    ready.signal(());
+    yield_now().await;
     for ((bus, address), setup) in buses.iter_mut().zip(addresses).zip(SETUPS) {
         while let Err(error) = sensor::apply::<Model, _>(bus, address, Model::start(setup)) {
             defmt::error!("a sensor cannot be started: {}", error);
