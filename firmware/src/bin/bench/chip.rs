@@ -1,7 +1,6 @@
 //! The serial port of the debugger, and one method after the other.
 
 use defmt_rtt as _;
-use embassy_stm32::mode::Blocking;
 use embassy_stm32::usart::{self, Uart};
 use haarline::{Config, Full, Lite, StereoMethod, WaveletBlock, blocks_for};
 use haarline_firmware::board::this::cycles::CycleClock;
@@ -14,6 +13,7 @@ use haarline_link::server::Server;
 use haarline_tests::sgm::words_for;
 use haarline_tests::{BlockSettings, Sgm, StereoBm};
 
+use crate::port::Port;
 use crate::work::{Begin, Row, Work};
 
 type Clock = &'static CycleClock;
@@ -28,7 +28,7 @@ static ROWS: DmaCell<[Row; KEPT]> = dma_cell!([Row; KEPT]);
 
 /// The port, and what it asks for.
 struct Bench {
-    port: Uart<'static, Blocking>,
+    port: Port,
     server: Server,
     work: Work,
     clock: Clock,
@@ -36,12 +36,13 @@ struct Bench {
 
 #[cortex_m_rt::entry]
 fn main() -> ! {
-    let Started { peripherals: p, clock, .. } = start::start();
+    let Started { peripherals: p, mut core, clock } = start::start();
     let mut config = usart::Config::default();
     config.baudrate = BAUD;
-    let Ok(port) = Uart::new_blocking(p.USART3, p.PD9, p.PD8, config) else {
+    let Ok(uart) = Uart::new_blocking(p.USART3, p.PD9, p.PD8, config) else {
         defmt::panic!("120 MHz give 921,600 baud")
     };
+    let port = Port::new(uart, &mut core.SCB);
     let rows = rows();
     let mut bench = Bench { port, server: Server::default(), work: Work::new(rows, clock), clock };
     defmt::info!("bench: waiting for `haarline silicon` at {=u32} baud", BAUD);
@@ -70,19 +71,10 @@ impl Bench {
         self.work.begin(usize::from(width), state);
         let Self { port, server, work, .. } = self;
         loop {
-            let mut byte = [0];
-            // What is garbled or lost is asked for again.
-            if port.blocking_read(&mut byte).is_err() {
-                continue;
-            }
-            let [byte] = byte;
-            let mut sent = Ok(());
+            let byte = port.take();
             let method = method.as_mut().map(|method| &mut **method as &mut dyn StereoMethod);
             let execute = |request: &[u8], answer: &mut _| work.execute(request, method, answer);
-            server.take(byte, |bytes| sent = sent.and(port.blocking_write(bytes)), execute);
-            if let Err(error) = sent {
-                defmt::warn!("serial port: {}", error);
-            }
+            server.take(byte, |bytes| port.put(bytes), execute);
             if let Some(begin) = work.next.take() {
                 return begin;
             }

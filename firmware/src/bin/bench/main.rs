@@ -5,6 +5,8 @@
 #[cfg(target_os = "none")]
 mod chip;
 #[cfg(target_os = "none")]
+mod port;
+#[cfg(target_os = "none")]
 mod work;
 
 #[cfg(not(target_os = "none"))]

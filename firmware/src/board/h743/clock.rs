@@ -15,8 +15,9 @@ pub const CORE: u32 = 480_000_000;
 const SLOW_CORE: u32 = 400_000_000;
 /// What the Nucleo's debugger gives, Hz.
 pub const HSE: u32 = 8_000_000;
-/// The other output of the core's PLL, Hz: the MT9V034's clock. On slower silicon it is 15.09 MHz.
-pub const PLL1_Q: u32 = 15_000_000;
+/// The other output of the core's PLL, Hz: the MT9V034's clock, near its lower limit, for slow lines. On slower silicon it is
+/// 13.11 MHz.
+pub const PLL1_Q: u32 = 2 * CORE / 73;
 /// Looks at the crystal until it counts as one that does not start, each some 20 cycles of 64 MHz: 100 ms or more.
 const LOOKS: u32 = 400_000;
 
@@ -66,9 +67,9 @@ pub fn config(source: Source, revision: Revision) -> Config {
         rcc.hse = Some(Hse { freq: Hertz(HSE), mode: HseMode::Bypass });
     }
     let (mul, divq, scale) = if revision.is_fast() {
-        (PllMul::MUL120, PllDiv::DIV64, VoltageScale::Scale0)
+        (PllMul::MUL120, PllDiv::DIV73, VoltageScale::Scale0)
     } else {
-        (PllMul::MUL100, PllDiv::DIV53, VoltageScale::Scale1)
+        (PllMul::MUL100, PllDiv::DIV61, VoltageScale::Scale1)
     };
     rcc.pll1 =
         Some(Pll { source: input, prediv, mul, fracn: None, divp: Some(PllDiv::DIV2), divq: Some(divq), divr: None });

@@ -37,7 +37,7 @@ pub const LINE_LENGTH: u32 = {
     if fits < LONGEST_LINE { fits } else { LONGEST_LINE }
 };
 /// From one line to the next, us.
-pub const LINE_US: u32 = LINE_LENGTH / (MASTER_HZ / 1_000_000);
+pub const LINE_US: u32 = LINE_LENGTH * 1000 / (MASTER_HZ / 1000);
 /// Longest integration that fits between the pictures, lines.
 const MOST_LINES: u32 = MASTER_HZ / FRAME_RATE / LINE_LENGTH - HEIGHT - SPARE_LINES as u32;
 
