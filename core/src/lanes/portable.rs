@@ -196,3 +196,9 @@ pub(crate) fn select_ge_halves(a: u32, b: u32, x: u32, y: u32) -> u32 {
 pub(crate) const fn wrapping_add(a: u32, b: u32) -> u32 {
     sum(a, b).0
 }
+
+/// The word: only Cortex-M has to be told to hold it in a register.
+#[inline(always)]
+pub(crate) const fn held(word: u32) -> u32 {
+    word
+}

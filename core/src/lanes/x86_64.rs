@@ -116,3 +116,9 @@ pub(crate) fn least(word: u32) -> u32 {
 pub(crate) fn greatest(word: u32) -> u32 {
     Quad::of_word(word).greatest_spread().word()
 }
+
+/// The word: only Cortex-M has to be told to hold it in a register.
+#[inline(always)]
+pub(crate) const fn held(word: u32) -> u32 {
+    word
+}

@@ -339,23 +339,24 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> Tiled<M, BLOCKS, C> {
             rows: [row.saturating_sub(1), row, row + 1].map(|row| self.cells.row(row)),
             left,
             right,
-            worth,
+            worth: &worth,
             sure: floor.sure,
         };
         self.answer.answer(&self.config, &sources);
-        self.sums.count_sure(&self.answer.confidence[..cells]);
+        if FrameSums::is_sampled(row) {
+            self.sums.count_sure(&self.answer.confidence[..cells]);
+        }
         self.answered += 1;
     }
 
     /// Measures the evidence of a cell row that is final.
     fn measure_evidence(&mut self, row: u32, floor: Floor) {
         let rows = features_of([&self.left, &self.right], row);
-        let labels = &self.cells.row(row).label;
+        let labels = &self.cells.row(row).label[..usize::from(self.config.width).div_ceil(4)];
         self.evidence.measure(row, &self.config, rows, labels, floor, &self.repetition);
         if FrameSums::is_sampled(row) {
-            let cells = usize::from(self.config.width).div_ceil(4);
-            let rows = rows.map(|view| view.map(|row| &row[..]));
-            self.sums.add(rows, &labels[..cells], self.config.min_disparity, floor);
+            let rows = rows.map(|view| view.each_ref().map(|row| &row[..]));
+            self.sums.add(rows, labels, self.config.min_disparity, floor);
         }
     }
 
@@ -447,12 +448,8 @@ const fn scramble(number: u32) -> u32 {
 fn features_of<const WORDS: usize, F: FeatureRows<WORDS>>(
     views: [&CameraView<WORDS, F>; 2],
     row: u32,
-) -> [[&[u32; WORDS]; 2]; 2] {
-    let inside = 2 * (row % 2) as usize;
-    views.map(|view| {
-        let tile = view.tiles(row / 2);
-        [&tile[inside], &tile[inside + 1]]
-    })
+) -> [&[[u32; WORDS]; 2]; 2] {
+    views.map(|view| &view.tiles(row / 2).as_chunks().0[row as usize % 2])
 }
 
 /// Where the cell row above a row of tiles is, and its own two.
