@@ -560,3 +560,25 @@ pub(crate) unsafe fn fit_sums_by_pairs<const WORDS: usize>(
         );
     }
 }
+
+/// Sum of absolute differences of four words and of two words in each of two rows, `WORDS` words apart.
+///
+/// # Safety
+/// The two words of either row must be readable.
+#[inline(always)]
+pub(crate) unsafe fn window_sad_words<const WORDS: usize>(window: &[u32; 4], rows: *const u8) -> u32 {
+    let sum;
+    // SAFETY: reads what the caller promises.
+    unsafe {
+        asm!(
+            "ldrd {x}, {y}, [{w}]", "ldr {s}, [{r}]", "ldr {z}, [{r}, #4]",
+            "usad8 {s}, {x}, {s}", "usada8 {s}, {y}, {z}, {s}",
+            "ldrd {x}, {y}, [{w}, #8]", "ldr {z}, [{r}, #{row}]", "usada8 {s}, {x}, {z}, {s}",
+            "ldr {z}, [{r}, #{row} + 4]", "usada8 {s}, {y}, {z}, {s}",
+            w = in(reg) window, r = in(reg) rows, s = out(reg) sum, x = out(reg) _, y = out(reg) _, z = out(reg) _,
+            row = const { 4 * WORDS },
+            options(pure, readonly, nostack, preserves_flags)
+        );
+    }
+    sum
+}
