@@ -18,23 +18,10 @@ use crate::answer::right_view::{RightView, Stretch, columns};
 use crate::front_end::camera_view::Row;
 use crate::lanes::rows::window_sad;
 use crate::lanes::{
-    ONES, add_halves, difference, held, min, select_ge, select_ge_halves, signed_halved_sum_halves, splat, splat_half,
-    sub_halves,
+    ONES, add_halves, difference, held, min, select_ge, signed_max_halves, splat, splat_half, sub_halves,
 };
 use crate::{Config, Disparity};
 
-/// What is added to the pixels of [`AnswerRow`], 1/64 px, so that none is negative.
-const OFFSET: i32 = 64 * 64;
-/// Keeps whole 1/16 px of two numbers of 1/64 px.
-const WHOLE: u32 = 0xfffc_fffc;
-/// What [`rounded`] adds in either half.
-const fn raised(bits: u32) -> u32 {
-    splat_half(0x8000 >> bits)
-}
-/// What makes [`AnswerRow`]'s pixels of a quarter of a value; less or more by what [`rounded`] adds.
-const MIDDLE: u32 = (OFFSET - HALF.cast_signed() / 4 + 2).cast_unsigned();
-const MIDDLE_LESS: u32 = splat_half(MIDDLE + (0x8000 >> 5));
-const MIDDLE_MORE: u32 = splat_half(MIDDLE - (0x8000 >> 5));
 /// Confidence of a guess: 1 to 15.
 const GUESS: u32 = 8;
 /// What seems to lie so much further right in the right view than something that is right of it in the left view, px, is
@@ -49,9 +36,9 @@ const LEFT: u32 = 0x0000_ffff;
 /// Two image rows of answers, cell by cell.
 #[derive(Debug, Clone)]
 pub(crate) struct AnswerRow<const WORDS: usize> {
-    /// Disparity less the least one searched, 1/64 px and [`OFFSET`] more, of the columns 0, 1 and 2, 3 of a cell; two in a word.
+    /// Disparity of the columns 0, 1 and 2, 3 of a cell, as [`Disparity::into_bits`]; two in a word.
     pixels: [[u32; 2]; WORDS],
-    /// What the lower row has more than the middle, the upper one less, 1/64 px.
+    /// What the lower row has more than the middle, the upper one less, in the same unit.
     slope: [i16; WORDS],
     /// Confidence of the four columns.
     pub(crate) confidence: [[u8; 4]; WORDS],
@@ -77,7 +64,7 @@ impl<const WORDS: usize> AnswerRow<WORDS> {
         let cells = usize::from(config.width).div_ceil(4);
         let mut median = [0; WORDS];
         self.survey(sources, cells, &mut median);
-        self.lay_planes(sources.rows, &median, cells);
+        self.lay_planes(config, sources.rows, &median, cells);
         self.part(config, sources, &median, cells);
         self.doubt_blank(cells, &median, sources.worth);
     }
@@ -98,7 +85,7 @@ impl<const WORDS: usize> AnswerRow<WORDS> {
 
     /// Lays a plane through each cell and its neighbours on the same surface.
     #[inline(never)]
-    fn lay_planes(&mut self, rows: [&CellRow<WORDS>; 3], median: &[u8; WORDS], cells: usize) {
+    fn lay_planes(&mut self, config: &Config, rows: [&CellRow<WORDS>; 3], median: &[u8; WORDS], cells: usize) {
         let count = cells.div_ceil(2);
         let row = &rows[1].value[..cells];
         let values = rows.map(|row| &row.value.as_chunks::<2>().0[..count]);
@@ -108,6 +95,10 @@ impl<const WORDS: usize> AnswerRow<WORDS> {
         let (pixels, downs) =
             (&mut self.pixels.as_chunks_mut::<2>().0[..count], &mut self.slope.as_chunks_mut::<2>().0[..count]);
         let same = held(SAME_SURFACES);
+        // What makes disparities of values that are divided by 16.
+        let base = Disparity::from_px(config.min_disparity).into_bits() - HALF as i16 / 16;
+        let [base_less, base_more] =
+            [raised(7) as i16, -(raised(7) as i16)].map(|raised| pair_of((base + raised).into()));
         for i in 0..count {
             let (mut here, mut across) = (word(values[1][i]), word(slopes[i].map(i16::cast_unsigned)));
             if u16::from_le_bytes(medians[i]) != u16::from_le_bytes(labels[i]) {
@@ -121,23 +112,17 @@ impl<const WORDS: usize> AnswerRow<WORDS> {
                 }
             }
             let (here, down) = blend_pair(same, here, word(values[0][i]), word(values[2][i]));
-            // A quarter of the slope lies between two columns. Each is rounded to 1/16 px on its own: so a packet tells a cell
-            // by three small numbers.
-            let middle = here >> 2 & 0x3fff_3fff;
-            let (middle_less, middle_more) =
-                (add_halves(middle, MIDDLE_LESS) & WHOLE, add_halves(middle, MIDDLE_MORE) & WHOLE);
-            let near = rounded(across, 5);
-            let far = rounded(add_halves(add_halves(across, across), across), 5);
-            let columns = [
-                sub_halves(middle_less, far),
-                sub_halves(middle_less, near),
-                add_halves(middle_more, near),
-                add_halves(middle_more, far),
-            ];
-            let [a, b, c, d] = columns;
+            // A quarter of the slope lies between two columns. Each is rounded on its own: so a packet tells a cell by three
+            // small numbers.
+            let middle = add_halves(here >> 3 & 0x1fff_1fff, splat_half(1)) >> 1 & 0x0fff_0fff;
+            let (less, more) = (add_halves(middle, base_less), add_halves(middle, base_more));
+            let near = divided::<7>(across);
+            let far = divided::<7>(add_halves(add_halves(across, across), across));
+            let [a, b, c, d] =
+                [sub_halves(less, far), sub_halves(less, near), add_halves(more, near), add_halves(more, far)];
             pixels[i] =
                 [[a & 0xffff | b << 16, c & 0xffff | d << 16], [a >> 16 | b & 0xffff_0000, c >> 16 | d & 0xffff_0000]];
-            downs[i] = halves(sub_halves(rounded(down, 4), raised(4))).map(u16::cast_signed);
+            downs[i] = halves(sub_halves(divided::<6>(down), splat_half(raised(6)))).map(u16::cast_signed);
         }
     }
 
@@ -220,8 +205,8 @@ impl<const WORDS: usize> AnswerRow<WORDS> {
                 } else {
                     (i32::from(other) << 8) + HALF.cast_signed()
                 };
-                let value = (value >> 2) + OFFSET - HALF.cast_signed() / 4;
-                self.pixels[cell][half] = pair(value, value);
+                let value = ((value - HALF.cast_signed() + 8) >> 4) + 16 * i32::from(config.min_disparity);
+                self.pixels[cell][half] = pair_of(value);
                 halves[half][cell] = other;
             }
         }
@@ -314,20 +299,21 @@ impl<const WORDS: usize> AnswerRow<WORDS> {
     /// which may be what lies behind them.
     #[inline(never)]
     fn fill(&mut self, hidden: Range<usize>, seen_before: Option<usize>, cells: usize) {
-        let before = seen_before.map(|c| self.pixels[c][1] >> 16);
+        let before = seen_before.map(|c| (self.pixels[c][1] >> 16) as i16);
         let next = hidden.end;
-        let after = (next < cells).then(|| self.pixels[next][0] & 0xffff);
+        let after = (next < cells).then(|| self.pixels[next][0] as i16);
         if next < cells {
             // Its window reaches into what is hidden.
             let confidence = min(u32::from_le_bytes(self.confidence[next]), splat(MOST_DOUBTFUL));
             self.confidence[next] = confidence.to_le_bytes();
         }
-        let Some(value) = before.into_iter().chain(after).min() else { return };
+        let Some(farther) = before.into_iter().chain(after).min() else { return };
+        let value = pair_of(farther.into());
         for c in hidden {
             for (i, &confidence) in self.confidence[c].iter().enumerate() {
                 if u32::from(confidence) == GUESS {
                     let pair = &mut self.pixels[c][i / 2];
-                    *pair = if i % 2 == 0 { *pair & 0xffff_0000 | value } else { *pair & 0xffff | value << 16 };
+                    *pair = if i % 2 == 0 { *pair & !LEFT | value & LEFT } else { *pair & LEFT | value & !LEFT };
                 }
             }
         }
@@ -347,28 +333,26 @@ impl<const WORDS: usize> AnswerRow<WORDS> {
     #[inline(always)]
     fn write_row(&self, config: &Config, out: &mut [[Disparity; 4]; WORDS], moved: fn(u32, u32) -> u32) {
         let cells = usize::from(config.width).div_ceil(4);
-        // The offset goes and the least disparity comes; 1/2 of 1/16 px rounds.
-        let base = pair_of(2 * (16 * i32::from(config.min_disparity) - OFFSET / 4));
-        let (half, least) = (pair_of(2), pair_of(OFFSET));
+        // Nothing is farther than the least disparity searched.
+        let least = pair_of(Disparity::from_px(config.min_disparity).into_bits().into());
         let rows = self.pixels[..cells].iter().zip(&self.slope[..cells]).zip(&mut out[..cells]);
         for ((pixels, &slope), out) in rows {
             let slope = pair_of(slope.into());
-            // Nothing is farther than the least disparity searched. Halved twice: a quarter, and half of twice the base.
-            let [a, b] = pixels.map(|pair| {
-                let moved = moved(pair, slope);
-                let within = select_ge_halves(moved, least, moved, least);
-                signed_halved_sum_halves(signed_halved_sum_halves(within, half), base)
-            });
+            let [a, b] = pixels.map(|pair| signed_max_halves(moved(pair, slope), least));
             *out = [a, a >> 16, b, b >> 16].map(|bits| Disparity::from_bits(bits as u16 as i16));
         }
     }
 }
 
-/// Two signed numbers divided by 2 to the power of `bits`, rounded to multiples of 4, and [`raised`] more.
+/// What [`divided`] adds.
+const fn raised(bits: u32) -> u32 {
+    0x8000 >> bits
+}
+
+/// Two signed numbers divided by 2 to the power of `BITS`, rounded, and [`raised`], so that neither is negative.
 #[inline(always)]
-fn rounded(numbers: u32, bits: u32) -> u32 {
-    // Half of what is cut off, and an offset that leaves nothing negative.
-    add_halves(numbers, splat_half(0x8000 + (2 << bits))) >> bits & splat_half((0xffff >> bits) & 0xfffc)
+fn divided<const BITS: u32>(numbers: u32) -> u32 {
+    add_halves(numbers, splat_half(0x8000 + (1 << (BITS - 1)))) >> BITS & splat_half(0xffff >> BITS)
 }
 
 /// The value of a cell that takes the label of its neighbours, and its slope along the row.

@@ -62,13 +62,19 @@ impl<const WORDS: usize> CellRow<WORDS> {
         }
         let mut here = values.first().map_or(0, |&pair| word(pair));
         let mut before = (here ^ u32::from(FAR)) << 16;
+        let beyond = values.last().map_or(0, |&pair| word(pair) >> 16 ^ u32::from(FAR));
         let same = held(SAME_SURFACES);
-        for i in 0..pairs {
-            let next = if i + 1 < pairs { word(values[i + 1]) } else { here >> 16 ^ u32::from(FAR) };
+        let both = |before: u32, here: u32, next: u32| {
             let (smooth, slope) = blend_pair(same, here, before >> 16 | here << 16, here >> 16 | next << 16);
-            values[i] = halves(smooth);
-            slopes[i] = halves(slope).map(u16::cast_signed);
+            (halves(smooth), halves(slope).map(u16::cast_signed))
+        };
+        for i in 1..pairs {
+            let next = word(values[i]);
+            (values[i - 1], slopes[i - 1]) = both(before, here, next);
             (before, here) = (here, next);
+        }
+        if let (Some(value), Some(slope)) = (values.last_mut(), slopes.last_mut()) {
+            (*value, *slope) = both(before, here, beyond);
         }
     }
 }

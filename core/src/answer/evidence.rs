@@ -38,6 +38,8 @@ pub(crate) struct Floor {
     pub(crate) noise: u32,
     /// The merit, bonus included, from which on an answer is sure.
     pub(crate) sure: u32,
+    /// Mean magnitude of a feature up to which there is nothing to see, 1/16. On a blank wall noise makes 3/8 of `noise`.
+    pub(crate) blank: u32,
     /// Whether the noise, 26 grey levels and more after the gain, lets hardly anything stand out.
     pub(crate) is_drowned: bool,
 }
@@ -61,8 +63,14 @@ impl Floor {
             (SmoothingLevel::Medium, false) => 117,
             (SmoothingLevel::Strong, false) => 120,
         };
+        let percent = match noise.level {
+            SmoothingLevel::Off => 46,
+            SmoothingLevel::Light => 55,
+            SmoothingLevel::Medium | SmoothingLevel::Strong => 50,
+        };
+        let blank = (floor * percent / 100).clamp(1, 255);
         let is_drowned = noise.level == SmoothingLevel::Strong && floor > 99;
-        Self { zero, noise: floor, sure, is_drowned }
+        Self { zero, noise: floor, sure, blank, is_drowned }
     }
 }
 
@@ -161,7 +169,7 @@ impl<const WORDS: usize> Evidence<WORDS> {
             rows.map(|row| words(&row.strength, count)),
         ];
         let unique = splat(if self.is_repeated { UNIQUE_IN_REPETITION } else { UNIQUE });
-        let blank_to = splat((floor.noise * 2 / 5).clamp(1, 255));
+        let blank_to = splat(floor.blank);
         let seen_from = splat((floor.noise * 3 / 8).clamp(1, 255));
         let down = |i: usize| planes.each_ref().map(|rows| mean(rows.map(|row| u32::from_le_bytes(row[i]))));
         along(count, down, |i, [fits, besides, likes, strengths]| {

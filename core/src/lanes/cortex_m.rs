@@ -39,8 +39,6 @@ operations! {
     halved_sum_halves = "uhadd16";
     /// Half of the difference of unsigned halves, rounded down, modulo 2^16.
     halved_difference_halves = "uhsub16";
-    /// Half of the sum of signed halves, rounded down.
-    signed_halved_sum_halves = "shadd16";
 }
 
 /// Sum of the four absolute differences of unsigned lanes, added to `sum`.
@@ -84,6 +82,17 @@ pub(crate) fn select_ge_halves(a: u32, b: u32, x: u32, y: u32) -> u32 {
         asm!("usub16 {r}, {a}, {b}", "sel {r}, {x}, {y}", r = out(reg) result, a = in(reg) a, b = in(reg) b, x = in(reg) x, y = in(reg) y,
             options(pure, nomem, nostack));
     }
+    result
+}
+
+/// The greater of signed halves.
+#[inline(always)]
+pub(crate) fn signed_max_halves(a: u32, b: u32) -> u32 {
+    let result;
+    // SAFETY: works on registers only.
+    unsafe {
+        asm!("ssub16 {r}, {a}, {b}", "sel {r}, {a}, {b}", r = out(reg) result, a = in(reg) a, b = in(reg) b, options(pure, nomem, nostack))
+    };
     result
 }
 

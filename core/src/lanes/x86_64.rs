@@ -43,8 +43,8 @@ operations! {
     halved_sum_halves;
     /// Half of the difference of unsigned halves, rounded down, modulo 2^16.
     halved_difference_halves;
-    /// Half of the sum of signed halves, rounded down.
-    signed_halved_sum_halves;
+    /// The greater of signed halves.
+    signed_max_halves;
     /// Sum of the two 16-bit halves modulo 2^16.
     add_halves;
     /// Difference of the two 16-bit halves modulo 2^16.
