@@ -75,6 +75,7 @@ impl Floor {
 }
 
 /// What the cells of a row are worth.
+#[derive(Debug, Clone)]
 pub(crate) struct Worth<const WORDS: usize> {
     /// What likeness adds to the merit, [`FRINGE`] more at fringes; or [`NEVER_SURE`].
     pub(crate) bonus: [u8; WORDS],
@@ -100,10 +101,11 @@ struct Sums<const WORDS: usize> {
     strength: [u8; WORDS],
 }
 
-/// The evidence of the newest three cell rows.
+/// The evidence of the newest three cell rows of those that are measured, every second one.
 #[derive(Debug, Clone)]
 pub(crate) struct Evidence<const WORDS: usize> {
     rows: [Sums<WORDS>; 3],
+    len: u32,
     /// Whether the newest row repeats itself.
     is_repeated: bool,
 }
@@ -111,16 +113,26 @@ pub(crate) struct Evidence<const WORDS: usize> {
 impl<const WORDS: usize> Evidence<WORDS> {
     pub(crate) const EMPTY: Self = Self {
         rows: [const { Sums { fit: [0; WORDS], beside: [0; WORDS], like: [0; WORDS], strength: [0; WORDS] } }; 3],
+        len: 0,
         is_repeated: false,
     };
 
-    /// Measures the cells of row `number`.
+    /// Forgets the frame.
+    pub(crate) const fn clear(&mut self) {
+        self.len = 0;
+    }
+
+    /// Rows that are measured.
+    pub(crate) const fn len(&self) -> u32 {
+        self.len
+    }
+
+    /// Measures the cells of the next row.
     ///
     /// - `left`, `right`: its two feature rows of either view; `labels`: what it answers.
     #[inline(never)]
     pub(crate) fn measure(
         &mut self,
-        number: u32,
         config: &Config,
         [left, right]: [&[Row<WORDS>; 2]; 2],
         labels: &[u8],
@@ -138,7 +150,8 @@ impl<const WORDS: usize> Evidence<WORDS> {
         let mut sums = CellSums::EMPTY;
         windows.sum(&mut sums);
         self.is_repeated = repetition.is_strong;
-        let row = &mut self.rows[(number % 3) as usize];
+        let row = &mut self.rows[(self.len % 3) as usize];
+        self.len += 1;
         (row.fit, row.strength) = (sums.fit, sums.strength);
         // Another piece may lie to the left as well: what is true of the cells so much before.
         let steps = (repetition.distance as usize + 2) / 4;
@@ -155,11 +168,11 @@ impl<const WORDS: usize> Evidence<WORDS> {
         }
     }
 
-    /// Judges the cells of row `number` by those around them; the rows above and below must be measured.
+    /// Judges the cells of the row measured as the `number`-th, and those of the row after it, by those around them.
     #[inline(never)]
-    pub(crate) fn judge(&self, number: u32, cells: usize, floor: Floor) -> Worth<WORDS> {
-        let rows = [number.saturating_sub(1), number, number + 1].map(|row| &self.rows[(row % 3) as usize]);
-        let mut worth = Worth { bonus: [0; WORDS], blank: [0; WORDS] };
+    pub(crate) fn judge(&self, number: u32, cells: usize, floor: Floor, worth: &mut Worth<WORDS>) {
+        let last = self.len.saturating_sub(1);
+        let rows = [number.saturating_sub(1), number, number + 1].map(|row| &self.rows[(row.min(last) % 3) as usize]);
         let count = words_of(cells);
         let (bonuses, blanks) = (words_mut(&mut worth.bonus, count), words_mut(&mut worth.blank, count));
         let planes = [
@@ -188,6 +201,5 @@ impl<const WORDS: usize> Evidence<WORDS> {
             let bonus = select_ge(sub(like, fit), unique, bonus, splat(NEVER_SURE));
             bonuses[i] = select_ge(most_fit, fit, bonus, splat(NEVER_SURE)).to_le_bytes();
         });
-        worth
     }
 }
