@@ -2,7 +2,8 @@
 //!
 //! A thing without texture, dark or saturated, has no sure answer but a few of its outline. What is sure in its sector is the
 //! wall behind it, above it or beside it, and to tell that would be to tell that the way is free up to there. Its doubtful
-//! answers are often wrong, but seldom as far as the wall: where enough of them adjoin, agree and are nearer, nothing is told.
+//! answers are often wrong, but seldom as far as the wall: where enough of them adjoin, agree and are nearer, in enough rows
+//! for what is sure to be outweighed, nothing is told.
 
 /// The longest chain of measured answers that ends at a block.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -60,5 +61,48 @@ impl Gap {
         let gap = gap.get_or_insert(Self { first: block, bits });
         gap.bits = gap.bits.max(bits);
         None
+    }
+}
+
+/// In how many rows what is sure was seen in a sector, and in how many something doubtful, by its distance.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Weighing {
+    sure: u16,
+    doubtful: [u8; Self::STEPS],
+}
+
+impl Weighing {
+    pub(super) const NONE: Self = Self { sure: 0, doubtful: [0; Self::STEPS] };
+    /// Steps of distance, four to each doubling from 2^7 mm on.
+    const STEPS: usize = 32;
+    const FIRST: u32 = 7;
+    /// Least rows of doubt, and how many sure ones each outweighs.
+    const LEAST_ROWS: u32 = 2;
+    const OUTWEIGHED: u32 = 3;
+
+    /// Another row in which something is sure.
+    pub(super) fn add_sure(&mut self) {
+        self.sure = self.sure.saturating_add(1);
+    }
+
+    /// Another row in which something may be at a distance of `mm`.
+    pub(super) fn add_doubtful(&mut self, mm: u32) {
+        if let Some(rows) = self.doubtful.get_mut(Self::step(mm)) {
+            *rows = rows.saturating_add(1);
+        }
+    }
+
+    /// Whether it is in doubt that nothing is nearer than `mm`, by a quarter at least.
+    pub(super) fn is_in_doubt(&self, mm: u32) -> bool {
+        let nearer = self.doubtful.iter().take(Self::step(mm - mm / 5));
+        let rows = nearer.map(|&rows| u32::from(rows)).sum::<u32>();
+        rows >= Self::LEAST_ROWS && Self::OUTWEIGHED * rows >= self.sure.into()
+    }
+
+    fn step(mm: u32) -> usize {
+        let mm = mm.max(1 << Self::FIRST);
+        let octave = mm.ilog2();
+        let quarter = mm >> (octave - 2) & 3;
+        ((octave - Self::FIRST) * 4 + quarter) as usize
     }
 }

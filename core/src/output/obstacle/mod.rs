@@ -38,7 +38,7 @@ mod free;
 mod lane;
 
 use chain::Chain;
-use doubt::{Doubt, Gap};
+use doubt::{Doubt, Gap, Weighing};
 use free::Clearance;
 use lane::{Camera, Directions, Lane};
 
@@ -128,9 +128,10 @@ pub struct Settings {
     pub doubt: u8,
     /// Least confidence of a block.
     pub min_confidence: u8,
-    /// So many blocks in a chain of measured answers, sure or not, that are nearer than what is sure by a quarter, make
-    /// a sector unknown, and with it all sectors of the blocks beside them that are not sure; 0: never. For a dark or blank
-    /// thing is none that is told as far as the wall behind it.
+    /// So many blocks in a chain of measured answers, sure or not, may be something. Where that is nearer by a quarter than
+    /// what is sure, in two rows of blocks and a third of those in which something is sure, the sector is unknown, and so are
+    /// those of the blocks beside it that are not sure: no dark or blank thing is told as far as the wall behind it.
+    /// 0: never.
     pub doubtful_blocks: u8,
     /// From this distance over the ground on, mm, a sector in which nothing is in the way may be told to be free
     /// ([`Obstacles::free`]); 0: never.
@@ -145,13 +146,13 @@ impl Settings {
     /// anything else is to be seen. The outline of a thing without texture is made of these.
     pub const FRINGE: u8 = 56;
 
-    /// Five sure blocks within 1 px, half a pixel of doubt; eight doubtful ones.
+    /// Five sure blocks within 1 px, half a pixel of doubt; five doubtful ones.
     pub const DEFAULT: Self = Self {
         agreeing_blocks: 5,
         tolerance: 16,
         doubt: 8,
         min_confidence: Self::SURE,
-        doubtful_blocks: 8,
+        doubtful_blocks: 5,
         free_beyond_mm: 0,
     };
 }
@@ -224,8 +225,8 @@ pub struct Obstacles<const SECTORS: usize, const BLOCKS: usize> {
     chains: [Chain; BLOCKS],
     doubts: [Doubt; BLOCKS],
     nearest_mm: [u32; SECTORS],
-    /// Where something may be that is not sure.
-    doubtful_mm: [u32; SECTORS],
+    /// What may be nearer.
+    weighings: [Weighing; SECTORS],
     clearance: [Clearance; SECTORS],
 }
 
@@ -263,7 +264,7 @@ impl<const SECTORS: usize, const BLOCKS: usize> Obstacles<SECTORS, BLOCKS> {
             chains: [Chain::NONE; BLOCKS],
             doubts: [Doubt::NONE; BLOCKS],
             nearest_mm: [UNKNOWN_MM; SECTORS],
-            doubtful_mm: [UNKNOWN_MM; SECTORS],
+            weighings: [Weighing::NONE; SECTORS],
             clearance: [Clearance::NONE; SECTORS],
         })
     }
@@ -271,7 +272,7 @@ impl<const SECTORS: usize, const BLOCKS: usize> Obstacles<SECTORS, BLOCKS> {
     /// Begins a frame. The first row of one does the same.
     pub fn start(&mut self) {
         (self.chains, self.doubts) = ([Chain::NONE; BLOCKS], [Doubt::NONE; BLOCKS]);
-        (self.nearest_mm, self.doubtful_mm) = ([UNKNOWN_MM; SECTORS], [UNKNOWN_MM; SECTORS]);
+        (self.nearest_mm, self.weighings) = ([UNKNOWN_MM; SECTORS], [Weighing::NONE; SECTORS]);
         self.clearance = [Clearance::NONE; SECTORS];
     }
 
@@ -311,8 +312,8 @@ impl<const SECTORS: usize, const BLOCKS: usize> Obstacles<SECTORS, BLOCKS> {
     /// Distance over the ground to the nearest obstacle of each sector, mm, rounded down; `None` is unknown. Whole once the
     /// last row of the frame is in.
     pub fn nearest_mm(&self) -> impl Iterator<Item = Option<u32>> {
-        let used = self.nearest_mm.iter().zip(&self.doubtful_mm).take(self.sectors.count);
-        used.map(|(&mm, &doubtful)| (mm != UNKNOWN_MM && mm <= doubtful.saturating_add(doubtful / 4)).then_some(mm))
+        let used = self.nearest_mm.iter().zip(&self.weighings).take(self.sectors.count);
+        used.map(|(&mm, weighing)| (mm != UNKNOWN_MM && !weighing.is_in_doubt(mm)).then_some(mm))
     }
 
     /// Whether each sector is measured and free up to [`Settings::free_beyond_mm`]: nothing was found in it, nor may be there,
@@ -320,12 +321,9 @@ impl<const SECTORS: usize, const BLOCKS: usize> Obstacles<SECTORS, BLOCKS> {
     /// and of those whose ray crosses the band before, 80 percent are sure, too (and see the ground, or what is
     /// above the band). Whole once the last row of the frame is in; never true where that distance is 0.
     pub fn free(&self) -> impl Iterator<Item = bool> {
-        let nearest = self.nearest_mm.iter().zip(&self.doubtful_mm).map(|(&mm, &doubtful)| mm.min(doubtful));
         let limit = self.settings.free_beyond_mm;
-        nearest
-            .zip(&self.clearance)
-            .take(self.sectors.count)
-            .map(move |(mm, clearance)| mm >= limit && clearance.is_free())
+        let used = self.nearest_mm.iter().zip(&self.weighings).zip(&self.clearance).take(self.sectors.count);
+        used.map(move |((&mm, weighing), clearance)| mm >= limit && !weighing.is_in_doubt(limit) && clearance.is_free())
     }
 
     /// Extends the chains by a row of blocks, and reports those that are believed.
@@ -335,7 +333,7 @@ impl<const SECTORS: usize, const BLOCKS: usize> Obstacles<SECTORS, BLOCKS> {
         let mut directions = Directions::new(lane);
         let (mut left, mut above_left) = (Chain::NONE, Chain::NONE);
         let (mut doubt_left, mut doubt_above_left) = (Doubt::NONE, Doubt::NONE);
-        let mut gap = None;
+        let (mut gap, mut doubtful) = (None, [0; SECTORS]);
         let mut report = Report { sector: None, bits: 0 };
         let Settings { tolerance, doubtful_blocks, .. } = self.settings;
         let least_weight = self.settings.agreeing_blocks.max(2).saturating_mul(Settings::SURE_WEIGHT);
@@ -363,10 +361,10 @@ impl<const SECTORS: usize, const BLOCKS: usize> Obstacles<SECTORS, BLOCKS> {
                 }
                 let (is_sure, bits) = (confidence >= self.settings.min_confidence, reached.unwrap_or(0));
                 if let Some(gap) = Gap::next(&mut gap, index, is_sure, bits) {
-                    self.doubt(lane, gap, index);
+                    self.doubt(lane, gap, index, &mut doubtful);
                 }
                 if is_sure && bits > 0 && !is_believed {
-                    self.doubt(lane, Gap { first: index, bits }, index + 1);
+                    self.doubt(lane, Gap { first: index, bits }, index + 1, &mut doubtful);
                 }
             }
             if let Some(slot) = self.chains.get_mut(index) {
@@ -383,30 +381,37 @@ impl<const SECTORS: usize, const BLOCKS: usize> Obstacles<SECTORS, BLOCKS> {
             }
         }
         self.note(lane, report);
-        if let Some(gap) = gap.filter(|gap| gap.bits > 0) {
-            self.doubt(lane, gap, BLOCKS);
+        if let Some(gap) = gap.filter(|gap: &Gap| gap.bits > 0) {
+            self.doubt(lane, gap, BLOCKS, &mut doubtful);
+        }
+        for ((&bits, &secant), weighing) in doubtful.iter().zip(&self.sectors.secant_q14).zip(&mut self.weighings) {
+            if bits > 0 {
+                weighing.add_doubtful(lane.range_mm(bits, secant));
+            }
         }
     }
 
     /// Notes what may be in the sectors of the blocks of a gap, up to the block `end`.
-    fn doubt(&mut self, lane: &Lane, gap: Gap, end: usize) {
+    fn doubt(&self, lane: &Lane, gap: Gap, end: usize, doubtful: &mut [i16; SECTORS]) {
         let mut directions = Directions::new(lane);
-        let end = end.min(self.camera.width().div_ceil(SIZE));
-        for index in gap.first..end {
-            let Some(sector) = directions.sector_of(SIZE * index + Self::SAMPLE, &self.sectors) else { continue };
-            if let (Some(&secant), Some(mm)) = (self.sectors.secant_q14.get(sector), self.doubtful_mm.get_mut(sector)) {
-                *mm = (*mm).min(lane.range_mm(gap.bits, secant));
+        for index in gap.first..end.min(self.camera.width().div_ceil(SIZE)) {
+            let sector = directions.sector_of(SIZE * index + Self::SAMPLE, &self.sectors);
+            if let Some(bits) = sector.and_then(|sector| doubtful.get_mut(sector)) {
+                *bits = (*bits).max(gap.bits);
             }
         }
     }
 
     fn note(&mut self, lane: &Lane, Report { sector, bits }: Report) {
         let Some(sector) = sector else { return };
-        let (Some(&secant), Some(nearest)) = (self.sectors.secant_q14.get(sector), self.nearest_mm.get_mut(sector))
+        let secant = self.sectors.secant_q14.get(sector);
+        let (Some(&secant), Some(nearest), Some(weighing)) =
+            (secant, self.nearest_mm.get_mut(sector), self.weighings.get_mut(sector))
         else {
             return;
         };
         *nearest = (*nearest).min(lane.range_mm(bits, secant));
+        weighing.add_sure();
     }
 }
 
