@@ -76,7 +76,7 @@ impl Weighing {
     /// Steps of distance, four to each doubling from 2^7 mm on.
     const STEPS: usize = 32;
     const FIRST: u32 = 7;
-    /// Least rows of doubt. Three outweigh fewer than four sure ones.
+    /// Least rows of doubt. Three outweigh fewer than five sure ones.
     const LEAST_ROWS: u32 = 2;
 
     /// Another row in which something is sure.
@@ -95,7 +95,7 @@ impl Weighing {
     pub(super) fn is_in_doubt(&self, mm: u32) -> bool {
         let nearer = self.doubtful.iter().take(Self::step(mm - mm / 5));
         let rows = nearer.map(|&rows| u32::from(rows)).sum::<u32>();
-        rows >= Self::LEAST_ROWS && 4 * rows > 3 * u32::from(self.sure)
+        rows >= Self::LEAST_ROWS && 5 * rows > 3 * u32::from(self.sure)
     }
 
     fn step(mm: u32) -> usize {

@@ -129,7 +129,7 @@ pub struct Settings {
     /// Least confidence of a block.
     pub min_confidence: u8,
     /// So many blocks in a chain of measured answers, sure or not, may be something. Where that is nearer by a quarter than
-    /// what is sure, in two rows of blocks and in more than three for each four in which something is sure, the sector is
+    /// what is sure, in two rows of blocks and in more than three for each five in which something is sure, the sector is
     /// unknown, and so are those of the blocks beside it that are not sure: so that a dark or blank thing is not told as far
     /// as the wall behind it. 0: never.
     pub doubtful_blocks: u8,
