@@ -198,6 +198,39 @@ mod tests {
         Cli::command().debug_assert();
     }
 
+    /// Every long option, with its command and what it takes.
+    fn options(command: &clap::Command, found: &mut Vec<(String, String, String)>) {
+        for argument in command.get_arguments() {
+            let Some(long) = argument.get_long() else { continue };
+            let takes_value = argument.get_action().takes_values();
+            let values = argument.get_value_names().filter(|_| takes_value).unwrap_or_default();
+            found.push((long.to_owned(), command.get_name().to_owned(), format!("{values:?}")));
+        }
+        command.get_subcommands().for_each(|command| options(command, found));
+    }
+
+    #[test]
+    fn one_name_is_one_thing_in_all_commands() {
+        // What is written differs; ablate takes several noises; a report may go to a file; eval scores the obstacles
+        // that others write.
+        const EXCEPTIONS: [&str; 4] = ["output", "noise", "json", "obstacles"];
+        let mut found = Vec::new();
+        options(&Cli::command(), &mut found);
+        assert!(found.len() > 150, "{}", found.len());
+        let mut first: std::collections::BTreeMap<&str, &(String, String, String)> = std::collections::BTreeMap::new();
+        for option in found.iter().filter(|(long, ..)| !EXCEPTIONS.contains(&long.as_str())) {
+            let other = first.entry(&option.0).or_insert(option);
+            assert_eq!(option.2, other.2, "--{} of {} and {}", option.0, option.1, other.1);
+        }
+        // Whoever reads a recording can be told how its views are stored.
+        for command in ["play", "record", "align", "twin"] {
+            for wanted in ["layout", "left", "right", "first", "wiring"] {
+                let is_there = found.iter().any(|(long, name, _)| name == command && long == wanted);
+                assert!(is_there, "{command} --{wanted}");
+            }
+        }
+    }
+
     #[test]
     fn a_refusal_is_one_line_that_names_the_option() {
         let cases = [

@@ -12,6 +12,7 @@ mod bad_input;
 mod bench;
 mod cases;
 mod contours;
+mod corruption;
 mod degradation;
 mod demo;
 mod depth;
