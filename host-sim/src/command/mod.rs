@@ -9,6 +9,7 @@ mod demo;
 mod depth;
 mod eval;
 mod play;
+mod power;
 mod receive;
 mod record;
 mod rig;
@@ -63,6 +64,8 @@ enum Command {
     Twin(twin::Args),
     /// How long the methods take on this machine, and OpenCV's in turn with them
     Bench(bench::Args),
+    /// What the program takes, from the recordings of a current meter
+    Power(power::Args),
     /// Repeats the paper's experiments: tables, plots and a page
     Study(study::Args),
     /// The contours of an image as a picture, as the methods look for them
@@ -134,6 +137,7 @@ impl Cli {
             Command::Ablate(args) => args.run()?,
             Command::Twin(args) => args.run()?,
             Command::Bench(args) => args.run()?,
+            Command::Power(args) => args.run()?,
             Command::Study(args) => args.run()?,
             Command::Contours(args) => args.run()?,
         }

@@ -25,6 +25,7 @@ mod mcap;
 mod overwrite;
 mod pipe;
 mod play;
+mod power;
 mod receive;
 mod record;
 mod rig;

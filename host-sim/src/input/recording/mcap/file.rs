@@ -6,8 +6,9 @@ use std::io::{BufReader, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, anyhow, ensure};
-use mcap::read::{ChunkReader, parse_record};
+use mcap::read::parse_record;
 use mcap::records::{Record, op};
+use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 
 use crate::input::image_file::guarded;
 
@@ -135,20 +136,46 @@ fn visit_record(head: &Head, body: &[u8], mut show: impl FnMut(usize, Record<'st
     let damaged = |error: &dyn std::fmt::Display| anyhow!("a chunk is damaged: {error}");
     let record = guarded(|| parse_record(head.op, body)).map_err(|error| damaged(&error))?;
     let record = record.map_err(|error| damaged(&error))?;
-    let Record::Chunk { header, data } = record else {
+    let Record::Chunk { header, .. } = record else {
         show(0, record.into_owned());
         return Ok(Trust::Unchecked);
     };
     let size = header.uncompressed_size;
     let trust = if header.uncompressed_crc == 0 { Trust::Unchecked } else { Trust::Checked };
     ensure!(size <= MAX_RECORD_BYTES, "a chunk claims to have {size} bytes, more than this tool reads");
-    let mut reader = ChunkReader::new(header, &data).map_err(|error| damaged(&error))?;
-    let mut messages = 0;
-    while let Some(record) = guarded(|| reader.next()).map_err(|error| damaged(&error))? {
+    // No record in a chunk is longer than the chunk, whatever it claims.
+    let options = LinearReaderOptions::default()
+        .with_skip_start_magic(true)
+        .with_skip_end_magic(true)
+        .with_validate_chunk_crcs(true)
+        .with_record_length_limit((size as usize).max(body.len()));
+    let mut reader = LinearReader::new_with_options(options);
+    let head = [&[head.op][..], &head.length.to_le_bytes()].concat();
+    let (mut from, mut messages) = (head.as_slice().chain(body), 0);
+    while let Some(record) = guarded(|| next_record(&mut reader, &mut from)).map_err(|error| damaged(&error))? {
         let record = record.map_err(|error| damaged(&error))?;
         let is_message = matches!(record, Record::Message { .. });
-        show(messages, record.into_owned());
+        show(messages, record);
         messages += usize::from(is_message);
     }
     Ok(trust)
+}
+
+/// The next record of a chunk that is read from there.
+fn next_record(reader: &mut LinearReader, from: &mut impl Read) -> Option<Result<Record<'static>>> {
+    loop {
+        match reader.next_event()? {
+            Ok(LinearReadEvent::ReadRequest(wanted)) => {
+                let read = from.read(reader.insert(wanted));
+                match read {
+                    Ok(count) => reader.notify_read(count),
+                    Err(error) => return Some(Err(error.into())),
+                }
+            }
+            Ok(LinearReadEvent::Record { data, opcode }) => {
+                return Some(parse_record(opcode, data).map(Record::into_owned).map_err(Into::into));
+            }
+            Err(error) => return Some(Err(error.into())),
+        }
+    }
 }
