@@ -41,6 +41,8 @@ impl Block {
 pub struct Blocks {
     blocks: Vec<Block>,
     length: f64,
+    /// Blocks a second.
+    rate: f64,
     begin: f64,
 }
 
@@ -48,12 +50,13 @@ impl Blocks {
     /// None yet; the first sample comes at `begin`, s, and one after the other in `period` s.
     #[must_use]
     pub fn new(begin: f64, period: f64) -> Self {
-        Self { blocks: Vec::new(), length: SHORTEST.max(4.0 * period), begin }
+        let length = SHORTEST.max(4.0 * period);
+        Self { blocks: Vec::new(), length, rate: 1.0 / length, begin }
     }
 
     /// Adds what a sample holds for `seconds`, shorter than a block, from `at` on.
     pub fn add(&mut self, sample: &Sample, at: f64, seconds: f64) {
-        let mut index = ((at - self.begin) / self.length) as usize;
+        let mut index = ((at - self.begin) * self.rate) as usize;
         while index >= MOST {
             self.halve();
             index /= 2;
@@ -69,6 +72,7 @@ impl Blocks {
 
     fn halve(&mut self) {
         self.length *= 2.0;
+        self.rate /= 2.0;
         let both = self.blocks.chunks(2).map(|pair| {
             let mut sum = pair[0];
             pair[1..].iter().for_each(|block| sum.add(block));

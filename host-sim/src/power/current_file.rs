@@ -6,7 +6,7 @@ use anyhow::{Context, Result, bail, ensure};
 use csv::ByteRecord;
 
 use super::phase::Phase;
-use super::time;
+use super::{decimal, time};
 
 /// No meter that writes these files measures more, A.
 const MOST_AMPERES: f64 = 20.0;
@@ -206,7 +206,9 @@ impl<R: Read> CurrentFile<R> {
     fn sample(&self) -> Result<Sample> {
         ensure!(self.record.len() >= self.columns, "has {} of {} columns", self.record.len(), self.columns);
         let seconds = match self.time {
-            Some((column, unit)) => unit * time::seconds(self.text(column)?).context("its time is none")?,
+            Some((column, unit)) => {
+                unit * time::seconds(&self.record[column]).with_context(|| self.no_number(column))?
+            }
             None => self.rows as f64 * self.period,
         };
         let amperes = self.current.1 * self.number(self.current.0)?;
@@ -222,14 +224,12 @@ impl<R: Read> CurrentFile<R> {
         Ok(Sample { seconds, watts, phase: self.phase() })
     }
 
-    fn text(&self, column: usize) -> Result<&str> {
-        std::str::from_utf8(&self.record[column]).map(str::trim).context("is no text")
+    fn number(&self, column: usize) -> Result<f64> {
+        decimal::number(&self.record[column]).with_context(|| self.no_number(column))
     }
 
-    fn number(&self, column: usize) -> Result<f64> {
-        let text = self.text(column)?;
-        let number = text.parse::<f64>().ok().filter(|number| number.is_finite());
-        number.with_context(|| format!("{text:?} is no number"))
+    fn no_number(&self, column: usize) -> String {
+        format!("{:?} is no number", String::from_utf8_lossy(&self.record[column]))
     }
 
     /// Unknown where a pin was not read (`-`) or changed within the sample (`X`, or a mean of both levels).
@@ -237,7 +237,7 @@ impl<R: Read> CurrentFile<R> {
         let level = |field: &[u8]| match field {
             b"0" | b"0.0" => Some(false),
             b"1" | b"1.0" => Some(true),
-            _ => match std::str::from_utf8(field).ok()?.trim().parse::<f64>().ok()? {
+            _ => match decimal::number(field)? {
                 0.0 => Some(false),
                 1.0 => Some(true),
                 _ => None,

@@ -125,11 +125,13 @@ impl Measurement {
     fn step(&mut self, sample: &Sample, next: &Sample) -> Result<()> {
         let step = next.seconds - sample.seconds;
         ensure!(step > 0.0, "after {} s the time goes back to {} s", sample.seconds, next.seconds);
-        let missing = (step / self.period).round() - 1.0;
         self.samples += 1;
-        if missing < 1.0 {
+        if step < 1.5 * self.period {
             self.add(sample, sample.seconds, step);
-        } else if missing <= MOST_SHARED {
+            return Ok(());
+        }
+        let missing = (step / self.period).round() - 1.0;
+        if missing <= MOST_SHARED {
             self.shared += missing;
             self.add(sample, sample.seconds, step / 2.0);
             self.add(next, sample.seconds + step / 2.0, step / 2.0);

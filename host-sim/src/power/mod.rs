@@ -9,6 +9,7 @@
 
 pub mod blocks;
 pub mod current_file;
+mod decimal;
 pub mod measurement;
 pub mod page;
 pub mod phase;
