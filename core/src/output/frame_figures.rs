@@ -3,7 +3,7 @@
 //! Where a map is right, what the left view shows in a cell the right view shows where the answer says. The *mismatch* is the
 //! sum of absolute differences of their features at the answers, as a share of what it would be if nothing matched:
 //! 1000 x sum |left - right| / (2 x sum |left|), over windows of 8 x 2 px that show more than twice what noise makes, of
-//! every third row of cells. Noise raises both sums, so that one limit does for all light.
+//! every fourth row of cells. Noise raises both sums, so that one limit does for all light.
 
 use crate::ScanlinePair;
 use crate::answer::evidence::Floor;
@@ -18,8 +18,8 @@ pub const MOST_MISMATCH: u16 = 220;
 pub const LEAST_SEEN: u32 = 10;
 /// Fewer windows than this say nothing of a frame.
 const LEAST_WINDOWS: u32 = 64;
-/// One of so many rows of cells is looked at: an odd number, so that both halves of tiles are.
-const SAMPLING: u32 = 3;
+/// One of so many rows of tiles is looked at.
+const SAMPLING: u32 = 2;
 /// Least confidence of a sure answer.
 const SURE: u8 = 64;
 
@@ -126,7 +126,7 @@ impl FrameSums {
         self.differ = self.differ || pair.left != pair.right;
     }
 
-    /// Whether a row of cells is looked at.
+    /// Whether a row of tiles is looked at.
     pub(crate) const fn is_sampled(row: u32) -> bool {
         row.is_multiple_of(SAMPLING)
     }
