@@ -148,14 +148,26 @@ impl Cli {
 /// clap's message in one line, without the usage.
 fn condense(error: &error::Error) -> String {
     if error.kind() == error::ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
-        let names: Vec<_> = Cli::command().get_subcommands().map(|command| command.get_name().to_owned()).collect();
-        return format!("a command is missing: {}; haarline --help tells more", names.join(", "));
+        return missing_command(&error.to_string());
     }
     let text = error.to_string();
     let lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
     let told = lines.take_while(|line| !line.starts_with("Usage:") && !line.starts_with("For more information"));
     let joined = told.collect::<Vec<_>>().join(" ").replace(" tip: ", "; ");
     format!("{}; --help tells more", joined.strip_prefix("error: ").unwrap_or(&joined))
+}
+
+/// Which commands there are where one is missing, as in the usage of `help`.
+fn missing_command(help: &str) -> String {
+    let usage = help.lines().find_map(|line| line.trim().strip_prefix("Usage: ")).unwrap_or_default();
+    let (mut command, mut path) = (Cli::command(), "haarline".to_owned());
+    for word in usage.split_whitespace().skip(1) {
+        let Some(inner) = command.find_subcommand(word).cloned() else { break };
+        (command, path) = (inner, format!("{path} {word}"));
+    }
+    let names: Vec<&str> =
+        command.get_subcommands().map(clap::Command::get_name).filter(|name| *name != "help").collect();
+    format!("a command is missing: {}; {path} --help tells more", names.join(", "))
 }
 
 fn one_line(text: &str) -> String {
@@ -238,7 +250,9 @@ mod tests {
     #[test]
     fn a_refusal_is_one_line_that_names_the_option() {
         let cases = [
-            ("haarline", "a command is missing"),
+            ("haarline", "a command is missing: depth, "),
+            ("haarline rig", "a command is missing: new, import, show; haarline rig --help"),
+            ("haarline power", "a command is missing: measure; haarline power --help"),
             ("haarline dept", "unrecognized subcommand 'dept'"),
             ("haarline depth", "<LEFT>"),
             ("haarline depth a b --focal-px x", "--focal-px"),

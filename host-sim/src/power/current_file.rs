@@ -1,6 +1,6 @@
 //! The tables that a PPK2 or a Joulescope exports, read row by row.
 
-use std::io::Read;
+use std::io::{ErrorKind, Read};
 
 use anyhow::{Context, Result, bail, ensure};
 use csv::ByteRecord;
@@ -10,6 +10,9 @@ use super::{decimal, time};
 
 /// No meter that writes these files measures more, A.
 const MOST_AMPERES: f64 = 20.0;
+
+/// Bytes of a line that has no end.
+const LONGEST_LINE: usize = 1 << 16;
 
 /// What a row tells.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -68,7 +71,7 @@ enum Pins {
 /// A file that is read.
 #[derive(Debug)]
 pub struct CurrentFile<R> {
-    records: csv::Reader<LastByte<R>>,
+    records: csv::Reader<Lines<R>>,
     record: ByteRecord,
     kind: Kind,
     /// Column of the times, and a second in their unit.
@@ -89,18 +92,23 @@ pub struct CurrentFile<R> {
     is_cut: bool,
 }
 
-/// Remembers the last byte: where that ends no line, the last row may be cut off within a number.
+/// Counts the bytes of the line that comes: at the end of a file it may be cut off, and it may have no end at all.
 #[derive(Debug)]
-struct LastByte<R> {
+struct Lines<R> {
     from: R,
-    last: u8,
+    unended: usize,
 }
 
-impl<R: Read> Read for LastByte<R> {
+impl<R: Read> Read for Lines<R> {
     fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
         let count = self.from.read(buffer)?;
-        if count > 0 {
-            self.last = buffer[count - 1];
+        match buffer[..count].iter().rposition(|&byte| byte == b'\n') {
+            Some(at) => self.unended = count - 1 - at,
+            None => self.unended += count,
+        }
+        if self.unended > LONGEST_LINE {
+            let told = format!("has a line of more than {LONGEST_LINE} bytes, which no table of currents has");
+            return Err(std::io::Error::new(ErrorKind::InvalidData, told));
         }
         Ok(count)
     }
@@ -112,8 +120,9 @@ impl<R: Read> CurrentFile<R> {
     /// # Errors
     /// If it is none of these kinds, or does not tell what is needed.
     pub fn open(from: R, setup: &Setup) -> Result<Self> {
-        let reader = LastByte { from, last: b'\n' };
-        let mut records = csv::ReaderBuilder::new().has_headers(false).flexible(true).from_reader(reader);
+        let reader = Lines { from, unended: 0 };
+        let mut records =
+            csv::ReaderBuilder::new().has_headers(false).flexible(true).quoting(false).from_reader(reader);
         let mut head = ByteRecord::new();
         ensure!(records.read_byte_record(&mut head)?, "the file is empty, where a table of currents is expected");
         let names: Vec<String> = head
@@ -193,7 +202,7 @@ impl<R: Read> CurrentFile<R> {
             }
         }
         Ok(match self.waiting.take() {
-            Some(Ok(sample)) if self.records.get_ref().last == b'\n' => Some(sample),
+            Some(Ok(sample)) if self.records.get_ref().unended == 0 => Some(sample),
             Some(Err(_)) => {
                 self.is_cut = true;
                 None

@@ -290,6 +290,11 @@ fn what_cannot_be_measured_is_told_in_one_line() {
         bench.write("current.csv", content);
         bench.refuses(&format!("power measure current.csv {options}"), told);
     }
+    if cfg!(target_os = "linux") {
+        bench.refuses("power measure /dev/zero --volts 3.3", &["/dev/zero", "a line of more than 65536 bytes"]);
+    }
+    bench.write("quoted.csv", format!("{good}\"{rows}"));
+    bench.refuses("power measure quoted.csv --volts 3.3", &["quoted.csv", "line 102"]);
     bench.write("empty.csv", "");
     bench.refuses("power measure empty.csv --volts 3.3", &["empty.csv", "is empty"]);
     bench.write("head.csv", "Timestamp(ms),Current(uA)\n");
