@@ -4,14 +4,16 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail, ensure};
 use haarline::align::{Estimate, Order, Verdict};
+use haarline_rig::Description;
 use serde::Serialize;
 
-use super::shared::{LayoutKind, WiringArgs, layout, progress, warn_skipped};
+use super::shared::{LayoutArgs, WiringArgs, progress, warn_skipped};
 use super::{Finding, print, whole_number};
 use crate::StereoPair;
 use crate::input::raw_dump::{RawFormat, ViewSize};
 use crate::input::recording::{FrameRange, RecordedFrame, find_frames, find_raw_frames};
 use crate::output;
+use crate::output::claims::Claims;
 use crate::rig::align::{self, Displacement};
 use crate::rig::align_picture;
 use crate::rig::description_file::{DescriptionFile, Field};
@@ -28,17 +30,17 @@ pub(super) struct Args {
     /// Writes a rig description with what was found; one that is there is changed only with --update
     #[arg(short, long = "output", value_name = "RIG.toml")]
     output: Option<PathBuf>,
-    /// Changes the description of -o, which must be there; the previous one is kept as RIG.toml.bak
+    /// Changes the description of -o, which must be there; the previous one is kept as RIG.toml.bak. Its wiring and
+    /// first camera hold where no option tells otherwise
     #[arg(long, requires = "output")]
     update: bool,
     /// Picture of both views with rows drawn through them, as they came above and aligned below
     #[arg(long, value_name = "FILE.png")]
     picture: Option<PathBuf>,
-    /// How the views are stored
-    #[arg(long, value_enum, default_value_t = LayoutKind::Auto, conflicts_with = "raw")]
-    layout: LayoutKind,
+    #[command(flatten)]
+    layout: LayoutArgs,
     /// The recording is a raw dump; the size is that of one view, px
-    #[arg(long, value_name = "WIDTHxHEIGHT")]
+    #[arg(long, value_name = "WIDTHxHEIGHT", conflicts_with_all = ["layout", "left_views"])]
     raw: Option<ViewSize>,
     #[command(flatten)]
     wiring: WiringArgs,
@@ -83,11 +85,11 @@ impl Args {
         let step = step.transpose()?;
         if let Some(path) = &self.picture {
             output::check_png_name("--picture", path)?;
-            output::check_writable("--picture", path)?;
         }
-        self.check_names()?;
         let file = self.output.as_deref().map(|path| DescriptionFile::open("-o", path, self.update)).transpose()?;
-        let frames = self.choose(step)?;
+        let frames = self.find(file.as_ref().and_then(DescriptionFile::description).as_ref())?;
+        self.claim(&frames, file.as_ref())?;
+        let frames = self.choose(frames, step)?;
         let (frames, damaged, middle) = readable(frames)?;
         let bar = progress(align::steps(frames.len()), "frames")?;
         let estimate = align::align_all([middle.width(), middle.height()], |see| {
@@ -117,38 +119,29 @@ impl Args {
         }
     }
 
-    /// Refuses names among the frames: a picture would be a frame of the next run.
-    fn check_names(&self) -> Result<()> {
-        let named = [("-o", &self.output), ("--picture", &self.picture)];
-        for (option, path) in named.into_iter().filter_map(|(option, path)| Some((option, path.as_deref()?))) {
-            let folders = ["", "left", "right"].map(|name| self.recording.join(name));
-            let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty());
-            let parent = parent.unwrap_or_else(|| Path::new("."));
-            let is_among = option == "--picture" && folders.iter().any(|folder| output::is_same_file(folder, parent));
-            ensure!(
-                !is_among && !output::is_same_file(path, &self.recording),
-                "{option} {}: lies in the recording, give another name",
-                path.display()
-            );
-        }
-        Ok(())
+    /// Refuses to replace what is read, and a picture among the frames: it would be a frame of the next run.
+    fn claim(&self, frames: &[RecordedFrame], file: Option<&DescriptionFile>) -> Result<()> {
+        let mut claims = Claims::new();
+        claims.read_recording(&self.recording, frames.iter().flat_map(RecordedFrame::files));
+        self.output.as_ref().map_or(Ok(()), |path| claims.write("-o", path))?;
+        file.map_or(Ok(()), |file| file.claim_backup("-o", &mut claims))?;
+        self.picture.as_ref().map_or(Ok(()), |path| claims.write_beside("--picture", path))
     }
 
-    fn choose(&self, step: Option<usize>) -> Result<Vec<RecordedFrame>> {
-        let frames = match self.raw {
-            Some(size) => {
-                let wiring = self.wiring.get_required()?;
-                find_raw_frames(&self.recording, RawFormat { size, wiring })?
-            }
-            None => {
-                ensure!(self.wiring.get()?.is_none(), "--wiring: is for raw dumps, add --raw WIDTHxHEIGHT");
-                ensure!(
-                    self.layout.has_both() || self.wiring.first.is_none(),
-                    "--first: is for frames with both views, add --layout side-by-side or top-bottom"
-                );
-                find_frames(&self.recording, layout(self.layout, self.wiring.first)?)?
-            }
+    /// All frames; `rig` is the description that is to be changed.
+    fn find(&self, rig: Option<&Description>) -> Result<Vec<RecordedFrame>> {
+        let Some(size) = self.raw else {
+            ensure!(self.wiring.get()?.is_none(), "--wiring: is for raw dumps, add --raw WIDTHxHEIGHT");
+            ensure!(
+                self.layout.layout.has_both() || self.wiring.first.is_none(),
+                "--first: is for frames with both views, add --layout side-by-side or top-bottom"
+            );
+            return find_frames(&self.recording, self.layout.get(self.wiring.first_with(rig))?);
         };
+        find_raw_frames(&self.recording, RawFormat { size, wiring: self.wiring.get_with(rig)? })
+    }
+
+    fn choose(&self, frames: Vec<RecordedFrame>, step: Option<usize>) -> Result<Vec<RecordedFrame>> {
         let recorded = frames.len();
         let range = self.frames.unwrap_or_default();
         let chosen = range.choose(frames, 1);

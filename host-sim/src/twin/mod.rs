@@ -156,7 +156,7 @@ impl Request {
         let frame = self.damaged();
         ensure!(
             frame.is_none_or(|frame| frame < self.frames),
-            "--fault {}: frames are counted from 0, and {} frame(s) are played: ask for more by --frames",
+            "--fault {}: frames are counted from 0, and {} frame(s) are played: ask for more by --count",
             self.fault.as_deref().unwrap_or_default(),
             self.frames
         );
