@@ -2,6 +2,7 @@
 
 mod benchmark;
 mod depth_options;
+mod frames;
 mod json_output;
 mod layout;
 mod messages;
@@ -14,6 +15,7 @@ mod wiring;
 
 pub(super) use benchmark::{Benchmark, read_scenes, scene_folders};
 pub(super) use depth_options::DepthOptions;
+pub(super) use frames::{FrameArgs, readable};
 pub(super) use json_output::JsonOutput;
 pub(super) use layout::{LayoutArgs, LayoutKind, layout};
 pub(super) use messages::{progress, quoted, warn_input, warn_skipped};
