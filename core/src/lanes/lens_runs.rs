@@ -1,118 +1,190 @@
-//! Rectification's innermost loops: pixels between two rows and between columns, four by one place across, eight by one weight
-//! down; and rows copied.
+//! Rectification's innermost loops: pixels between two rows and between columns, four at once by one place; and rows copied.
 //!
-//! Written in full for Cortex-M: 66 instructions for eight pixels. Held against portable code on every target that has both.
+//! Written in full for Cortex-M: 31 instructions for four pixels, 36 where rows change. Held against portable code on every target
+//! that has both.
 
-/// Pixels that share a place across.
+/// Pixels that share a place.
 pub(crate) const RUN: usize = 4;
-/// Pixels that share a weight down.
-pub(crate) const PAIR: usize = 2 * RUN;
 /// Pixels that are made at once.
-pub(crate) const SEGMENT: usize = 4 * PAIR;
+pub(crate) const SEGMENT: usize = 8 * RUN;
 
-/// Where the runs of a piece of a row lie, 1/65536 px.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Across {
-    /// Place of the next run's first column.
-    pub(crate) at: i32,
-    /// From a run to the next one.
-    pub(crate) step: i32,
-    /// By how much the step grows from a pair of runs to the next one.
-    pub(crate) bend: i32,
+/// Where the runs of a segment lie, 1/65536 px, and how that changes from row to row.
+///
+/// Place of the first run's first column; from a run to the next one; by how much that grows from a pair of runs to the next
+/// one; growth of the first two from row to row.
+pub(crate) type Across = [i32; 5];
+
+/// Where the runs of a segment lie down, 1/65536 px, and how that changes from row to row.
+///
+/// Place of the first run; from a run to the next one; by how much that grows; growth of the three from row to row.
+pub(crate) type Down = [i32; 6];
+
+/// Whether a segment's runs read columns 0 to `last` only.
+#[cfg(any(not(haarline_dsp), test))]
+#[inline(always)]
+const fn is_within([at, step, bend, ..]: Across, last: u16) -> bool {
+    // No place, no step is negative then, none that comes later, and nothing overflows.
+    let end = step.wrapping_add(bend.wrapping_mul(4));
+    let is_small = (bend.wrapping_add(1 << 20)).cast_unsigned() >> 21 == 0;
+    if (at | step | end).cast_unsigned() >> 27 != 0 || !is_small {
+        return false;
+    }
+    // After k pairs the second run lies at `at + (2 k + 1) step + k^2 bend`.
+    let eighth = at + 7 * step + 9 * bend;
+    (eighth >> 16) + 4 <= last as i32
 }
 
-impl Across {
-    /// Whether a segment's runs read columns 0 to `last` only.
-    #[inline(always)]
-    pub(crate) const fn is_within(&self, last: u16) -> bool {
-        // No place, no step is negative then, none that comes later, and nothing overflows.
-        let end = self.step.wrapping_add(self.bend.wrapping_mul(4));
-        let is_small = (self.bend.wrapping_add(1 << 20)).cast_unsigned() >> 21 == 0;
-        if (self.at | self.step | end).cast_unsigned() >> 27 != 0 || !is_small {
-            return false;
-        }
-        // After k pairs a run lies at `at + 2 k step + k (k - 1) bend`: behind the eighth run.
-        let beyond = self.at + self.step * 8 + self.bend * 12;
-        // The eighth one is as long as the last step, which is at most the first step and four bends.
-        let eighth = beyond - (self.step + self.bend * 3);
-        (eighth.cast_unsigned() >> 16) + RUN as u32 <= last as u32
-    }
+/// Weights of the lower row, 1/16, for each run of a segment, 4 bits each, the first one lowest.
+pub(crate) type Weights = u32;
+
+/// The weight of a place down.
+#[cfg(any(not(haarline_dsp), test))]
+#[inline(always)]
+const fn weight(place: i32) -> u32 {
+    place.cast_unsigned() >> 12 & 15
 }
 
-/// Weights of the lower row, 1/16, for each pair of runs of a segment, and whether other rows follow.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Downs(u32);
-
-impl Downs {
-    /// Bits of a pair.
-    const BITS: u32 = 5;
-
-    /// Of four places down, 1/65536 px.
-    #[inline(always)]
-    pub(crate) const fn new([first, second, third, fourth]: [i32; 4]) -> Self {
-        const fn weight(place: i32) -> u32 {
-            place.cast_unsigned() >> 12 & 15
-        }
-        Self(weight(first) | weight(second) << 5 | weight(third) << 10 | weight(fourth) << 15)
+/// Places of the eight runs.
+#[inline(always)]
+pub(crate) const fn places([first, mut step, bend, ..]: Down) -> [i32; 8] {
+    let mut places = [first; 8];
+    let mut k = 1;
+    while k < 8 {
+        places[k] = places[k - 1].wrapping_add(step);
+        step = step.wrapping_add(bend);
+        k += 1;
     }
-
-    /// Pairs from that one on, 1 to 3, lie between other rows.
-    #[inline(always)]
-    pub(crate) const fn switch_before(self, pair: u32) -> Self {
-        Self(self.0 | 1 << (Self::BITS * pair - 1))
-    }
+    places
 }
 
-/// Makes a segment, of the two rows `first` and, where [`Downs`] switches, of `then`; whether all of it lies within these rows
-/// up to their column `last`. If not, nothing is made.
+/// Goes on to the row below. Of the row before: the first run's place, the weights, and 0 where all runs lie between the
+/// same rows.
+#[inline(always)]
+pub(crate) fn advance(down: &mut Down) -> (i32, Weights, u32) {
+    #[cfg(haarline_dsp)]
+    let told = advance_dsp(down);
+    #[cfg(not(haarline_dsp))]
+    let told = advance_portable(down);
+    told
+}
+
+#[cfg(any(not(haarline_dsp), test))]
+fn advance_portable(down: &mut Down) -> (i32, Weights, u32) {
+    let places = places(*down);
+    for k in 0..3 {
+        down[k] = down[k].wrapping_add(down[k + 3]);
+    }
+    let weights = places.iter().rev().fold(0, |weights, &place| weights << 4 | weight(place));
+    let differ = places.iter().fold(0, |differ, &place| differ | (place ^ places[0]).cast_unsigned());
+    (places[0], weights, differ >> 16)
+}
+
+/// The next run's place, its weight `$shift` bits up, and whether it lies between other rows.
+#[cfg(haarline_dsp)]
+macro_rules! next_place {
+    ($shift:literal) => {
+        concat!(
+            "add r4, r4, r2\n add r2, r2, r3\n ubfx r5, r4, #12, #4\n orr r0, r0, r5, lsl #",
+            $shift,
+            "\n eor r5, r4, r1\n orr r12, r12, r5\n"
+        )
+    };
+}
+
+/// The same in 51 instructions.
+#[cfg(haarline_dsp)]
+#[expect(unsafe_code, reason = "instructions that the language has no other name for")]
+#[inline(always)]
+fn advance_dsp(down: &mut Down) -> (i32, Weights, u32) {
+    let (first, weights, differ);
+    // SAFETY: reads the six numbers and writes the first three of them.
+    unsafe {
+        core::arch::asm!(
+            "ldm r0, {{r1, r2, r3, r4, r5, r12}}",
+            "add r4, r4, r1",
+            "add r5, r5, r2",
+            "add r12, r12, r3",
+            "stm r0, {{r4, r5, r12}}",
+            "ubfx r0, r1, #12, #4",
+            "mov r4, r1",
+            "mov r12, #0",
+            next_place!("4"),
+            next_place!("8"),
+            next_place!("12"),
+            next_place!("16"),
+            next_place!("20"),
+            next_place!("24"),
+            next_place!("28"),
+            "lsr r12, r12, #16",
+            inout("r0") down.as_mut_ptr() => weights,
+            out("r1") first,
+            out("r2") _,
+            out("r3") _,
+            out("r4") _,
+            out("r5") _,
+            out("r12") differ,
+            options(nostack, preserves_flags),
+        );
+    }
+    (first, weights, differ)
+}
+
+/// Makes a segment, of the two rows `first` and, from the run `switch` on, of `then`, and goes on to the row below; whether
+/// all of it lies within these rows up to their column `last`. If not, nothing is made. Without a switch, 0 or 8 and more,
+/// all is made of `first`.
 #[inline(always)]
 pub(crate) fn mix_segment<const WIDTH: usize>(
     first: [&[u8; WIDTH]; 2],
-    then: [&[u8; WIDTH]; 2],
-    across: Across,
+    (switch, then): (u32, [&[u8; WIDTH]; 2]),
+    across: &mut Across,
     last: u16,
-    downs: Downs,
+    weights: Weights,
     out: &mut [u8; SEGMENT],
 ) -> bool {
-    if usize::from(last) >= WIDTH || !across.is_within(last) {
+    if usize::from(last) >= WIDTH {
         return false;
     }
     #[cfg(haarline_dsp)]
-    dsp(first, then, across, downs, out);
+    let is_made = dsp(first, (switch, then), across, last, weights, out);
     #[cfg(not(haarline_dsp))]
-    portable(first, then, across, downs, out);
-    true
+    let is_made = portable(first, (switch, then), across, last, weights, out);
+    is_made
 }
 
 #[cfg(any(not(haarline_dsp), test))]
 fn portable<const WIDTH: usize>(
     first: [&[u8; WIDTH]; 2],
-    then: [&[u8; WIDTH]; 2],
-    mut across: Across,
-    Downs(mut downs): Downs,
+    (switch, then): (u32, [&[u8; WIDTH]; 2]),
+    across: &mut Across,
+    last: u16,
+    weights: Weights,
     out: &mut [u8; SEGMENT],
-) {
-    let mut rows = first;
-    for pair in out.as_chunks_mut::<PAIR>().0 {
-        for run in pair.as_chunks_mut::<RUN>().0 {
-            let x = usize::try_from(across.at >> 16).unwrap_or(0);
-            let weights = [(across.at >> 12 & 15).cast_unsigned(), downs & 15];
-            if let (Some(above), Some(below)) = (five(rows[0], x), five(rows[1], x)) {
-                *run = mix(above, below, weights);
-            }
-            across.at += across.step;
-        }
-        across.step += across.bend;
-        if downs & 16 != 0 {
-            rows = then;
-        }
-        downs >>= Downs::BITS;
+) -> bool {
+    let [mut at, mut step, bend, grow, lengthen] = *across;
+    let is_inside = is_within(*across, last);
+    (across[0], across[1]) = (at.wrapping_add(grow), step.wrapping_add(lengthen));
+    if !is_inside {
+        return false;
     }
+    for (nth, run) in (0..).zip(out.as_chunks_mut::<RUN>().0) {
+        let rows = if switch > 0 && nth >= switch { then } else { first };
+        *run = mix_run(rows[0], rows[1], at, weights >> (4 * nth) & 15).unwrap_or_default();
+        at += step;
+        step += if nth % 2 == 1 { bend } else { 0 };
+    }
+    true
+}
+
+/// A run at a place, with the weight of the lower row; `None` where it lies beyond the rows.
+#[inline(always)]
+pub(crate) fn mix_run(above: &[u8], below: &[u8], at: i32, down: u32) -> Option<[u8; RUN]> {
+    let x = usize::try_from(at >> 16).ok()?;
+    Some(mix(five(above, x)?, five(below, x)?, [at.cast_unsigned() >> 12 & 15, down]))
 }
 
 /// Columns `x` to `x + 3` and the same one further right.
 #[inline(always)]
-pub(crate) fn five(row: &[u8], x: usize) -> Option<[u32; 2]> {
+fn five(row: &[u8], x: usize) -> Option<[u32; 2]> {
     let [a, b, c, d, e] = *row.get(x..)?.first_chunk::<{ RUN + 1 }>()?;
     Some([u32::from_le_bytes([a, b, c, d]), u32::from_le_bytes([b, c, d, e])])
 }
@@ -171,60 +243,103 @@ macro_rules! run {
     };
 }
 
+/// A run with its weight from bit `$bit` on.
+#[cfg(haarline_dsp)]
+macro_rules! weighted {
+    ($bit:literal) => {
+        concat!("ubfx r9, r8, #", $bit, ", #4\n rsb r10, r9, #16\n", run!())
+    };
+}
+
+/// The step to what follows a pair of runs.
+#[cfg(haarline_dsp)]
+macro_rules! bend {
+    () => {
+        "ldr r0, [sp]\n add r2, r2, r0\n"
+    };
+}
+
+/// The other rows, from the second run of a pair on, and from the next pair on, if it is their turn.
+#[cfg(haarline_dsp)]
+macro_rules! switch {
+    () => {
+        "ldr r0, [sp, #12]\n subs r0, r0, #1\n str r0, [sp, #12]\n it eq\n ldrdeq r3, r4, [sp, #4]\n"
+    };
+}
+
 #[cfg(haarline_dsp)]
 #[expect(unsafe_code, reason = "instructions that the language has no other name for")]
 #[inline(always)]
 fn dsp<const WIDTH: usize>(
     first: [&[u8; WIDTH]; 2],
-    then: [&[u8; WIDTH]; 2],
-    across: Across,
-    downs: Downs,
+    (switch, then): (u32, [&[u8; WIDTH]; 2]),
+    across: &mut Across,
+    last: u16,
+    weights: Weights,
     out: &mut [u8; SEGMENT],
-) {
-    // A one above the last weight ends the loop.
-    let weights = downs.0 | 1 << (4 * Downs::BITS);
-    // SAFETY: `mix_segment` has held all runs within the rows, five bytes from a run's place on, and the loop writes four pairs,
-    // as many as `weights` has. r6 and r7, which no operand may be, are put back, and so is the stack.
+) -> bool {
+    let is_made: u32;
+    // SAFETY: the first part is `is_within`, without which nothing is read of the rows, of which `last` is a column; so all
+    // runs lie within them, five bytes from a run's place on. Eight runs are written. r6 and r7, which no operand may be, are
+    // put back, and so is the stack.
     unsafe {
         core::arch::asm!(
-            "push {{r0, r6, r7, r9, r10}}",
+            "push {{r6, r7}}",
+            "ldm r0, {{r1, r2, r6, r7, r12}}",
+            "add r7, r7, r1",
+            "add r12, r12, r2",
+            "strd r7, r12, [r0]",
+            "mov r0, #0",
+            "add r7, r2, r6, lsl #2",
+            "orr r7, r7, r1",
+            "orr r7, r7, r2",
+            "add r12, r6, #0x100000",
+            "lsr r12, r12, #21",
+            "orrs r7, r12, r7, lsr #27",
+            "bne.w 9f",
+            "rsb r7, r2, r2, lsl #3",
+            "add r7, r7, r1",
+            "add r12, r6, r6, lsl #3",
+            "add r7, r7, r12",
+            "cmp r11, r7, asr #16",
+            "blt.w 9f",
+            "push {{r6, r9, r10, lr}}",
             // Bytes 1 and 3 of what is selected are those of the first operand.
             "mov r6, #0xff00ff00",
             "mov r7, #0x00ff00ff",
             "usub8 r6, r6, r7",
+            "cmp lr, #0",
+            "bne.w 2f",
+            concat!(weighted!("0"), weighted!("4"), bend!(), weighted!("8"), weighted!("12"), bend!()),
+            concat!(weighted!("16"), weighted!("20"), bend!(), weighted!("24"), weighted!("28")),
+            "b.w 5f",
+            // Where other rows follow.
             "2:",
-            "and r9, r8, #15",
-            "rsb r10, r9, #16",
-            run!(),
-            run!(),
-            "ldr r0, [sp]",
-            "add r2, r2, r0",
-            "lsrs r8, r8, #5",
-            "bcs 4f",
-            "3:",
-            "cmp r8, #1",
-            "bne 2b",
-            "b 5f",
-            // Other rows from here on.
-            "4:",
-            "ldrd r3, r4, [sp, #12]",
-            "b 3b",
+            concat!(weighted!("0"), switch!(), weighted!("4"), switch!(), bend!()),
+            concat!(weighted!("8"), switch!(), weighted!("12"), switch!(), bend!()),
+            concat!(weighted!("16"), switch!(), weighted!("20"), switch!(), bend!()),
+            concat!(weighted!("24"), switch!(), weighted!("28")),
             "5:",
-            "pop {{r0, r6, r7, r9, r10}}",
-            inout("r0") across.bend => _,
-            inout("r1") across.at => _,
-            inout("r2") across.step => _,
+            "add sp, sp, #16",
+            "mov r0, #1",
+            "9:",
+            "pop {{r6, r7}}",
+            inout("r0") across.as_mut_ptr() => is_made,
+            out("r1") _,
+            out("r2") _,
             inout("r3") first[0].as_ptr() => _,
             inout("r4") first[1].as_ptr() => _,
             inout("r5") out.as_mut_ptr() => _,
             inout("r8") weights => _,
             inout("r9") then[0].as_ptr() => _,
             inout("r10") then[1].as_ptr() => _,
-            out("r11") _,
+            // Greatest column of the last run.
+            inout("r11") i32::from(last) - RUN as i32 => _,
             out("r12") _,
-            out("lr") _,
+            inout("lr") switch => _,
         );
     }
+    is_made != 0
 }
 
 /// Copies a row; as many columns as both have.
@@ -280,42 +395,48 @@ mod tests {
     fn pixels_are_mixed_bilinearly() {
         let rows: [[u8; 40]; 3] =
             core::array::from_fn(|y| core::array::from_fn(|x| (x * x * 37 + y * x * 91).to_le_bytes()[0]));
-        let start = Across { at: 2 << 16 | 5 << 12, step: 4 << 16 | 3 << 11, bend: -900 };
-        let places = [10 << 12, 15 << 12, 17 << 12, 24 << 12];
+        let start = [2 << 16 | 5 << 12, 4 << 16 | 3 << 11, -900, 70, -5];
+        let mut across = start;
+        let mut down = [10 << 12, 1 << 12, 0, 9, 0, 0];
+        let places = places(down);
+        let (first, weights, differ) = advance(&mut down);
+        assert!(first == 10 << 12 && differ != 0 && down[0] == (10 << 12) + 9);
         let mut out = [0; SEGMENT];
-        let downs = Downs::new(places).switch_before(2);
-        assert!(mix_segment([&rows[0], &rows[1]], [&rows[1], &rows[2]], start, 39, downs, &mut out));
-        let (mut at, mut step) = (f64::from(start.at), f64::from(start.step));
-        for (pair, place) in out.chunks(PAIR).zip(places) {
-            for run in pair.chunks(RUN) {
-                for (i, &found) in (0..).zip(run) {
-                    let across = (at / 4096.0).floor() / 16.0;
-                    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within the row")]
-                    let x = across as usize + i;
-                    let row =
-                        |row: &[u8]| f64::from(row[x]) + (f64::from(row[x + 1]) - f64::from(row[x])) * across.fract();
-                    let [above, below] =
-                        [place >> 16, (place >> 16) + 1].map(|y| row(&rows[usize::try_from(y).unwrap()]));
-                    let wanted = above + (below - above) * f64::from(place & 0xffff) / 65_536.0;
-                    assert!((f64::from(found) - wanted).abs() <= 0.5 + 1e-9, "{place}, {i}: {found} {wanted}");
-                }
-                at += step;
+        assert!(mix_segment([&rows[0], &rows[1]], (6, [&rows[1], &rows[2]]), &mut across, 39, weights, &mut out));
+        assert_eq!(across, [start[0] + 70, start[1] - 5, -900, 70, -5]);
+        let (mut at, mut step) = (f64::from(start[0]), f64::from(start[1]));
+        for (nth, (run, place)) in out.chunks(RUN).zip(places).enumerate() {
+            for (i, &found) in (0..).zip(run) {
+                let across = (at / 4096.0).floor() / 16.0;
+                #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within the row")]
+                let x = across as usize + i;
+                let row = |row: &[u8]| f64::from(row[x]) + (f64::from(row[x + 1]) - f64::from(row[x])) * across.fract();
+                let [above, below] = [place >> 16, (place >> 16) + 1].map(|y| row(&rows[usize::try_from(y).unwrap()]));
+                let wanted = above + (below - above) * f64::from(place & 0xffff) / 65_536.0;
+                assert!((f64::from(found) - wanted).abs() <= 0.5 + 1e-9, "{place}, {i}: {found} {wanted}");
             }
-            step += f64::from(start.bend);
+            at += step;
+            step += if nth % 2 == 1 { f64::from(start[2]) } else { 0.0 };
         }
     }
 
     #[test]
     fn what_reaches_beyond_the_rows_is_not_inside() {
-        let is_inside = |at, step, bend| Across { at, step, bend }.is_within(39);
+        let is_inside = |at, step, bend| {
+            let across = [at, step, bend, 0, 0];
+            let rows = [&[7; 40]; 2];
+            let made = mix_segment(rows, (0, rows), &mut across.clone(), 39, 0, &mut [0; SEGMENT]);
+            assert_eq!(made, is_within(across, 39));
+            made
+        };
         assert!(is_inside(0, 4 << 16, 0) && is_inside(7 << 16, 4 << 16, 0) && is_inside(3 << 16, 4 << 16, -99));
         assert!(!is_inside(-1, 4 << 16, 0) && !is_inside(8 << 16, 4 << 16, 0) && !is_inside(0, 4 << 16, 1 << 16));
         assert!(
             !is_inside(0, i32::MAX, 0) && !is_inside(i32::MAX, 4 << 16, 0) && !is_inside(0, 4 << 16, -(1 << 16) - 1)
         );
         assert!(!is_inside(0, 4 << 16, 1 << 30) && !is_inside(0, 4 << 16, i32::MIN));
-        let across = Across { at: 0, step: 4 << 16, bend: 0 };
-        assert!(!mix_segment([&[0; 40]; 2], [&[0; 40]; 2], across, 40, Downs::new([0; 4]), &mut [0; SEGMENT]));
+        let (mut across, rows) = ([0, 4 << 16, 0, 0, 0], [&[0; 40]; 2]);
+        assert!(!mix_segment(rows, (0, rows), &mut across, 40, 0, &mut [0; SEGMENT]));
     }
 
     #[test]
@@ -337,13 +458,20 @@ mod tests {
             core::array::from_fn(|y| core::array::from_fn(|x| (x * x * 37 + y * x * 91).to_le_bytes()[0]));
         let (first, then) = ([&rows[0], &rows[1]], [&rows[1], &rows[2]]);
         for seed in 0..200i32 {
-            let across = Across { at: 300_000 + seed * 7919, step: 262_144 + seed * 13, bend: (seed % 7 - 3) * 300 };
-            let places = [1, 3, 5, 7].map(|by| seed.wrapping_mul(by * 7919));
-            for downs in [Downs::new(places), Downs::new(places).switch_before(1 + seed.unsigned_abs() % 3)] {
+            let across = [300_000 + seed * 7919, 262_144 + seed * 13, (seed % 7 - 3) * 300, seed * 3, -seed];
+            let number = |by: i32| seed.wrapping_mul(by * 7919);
+            let down = [number(1), number(3) >> 8, number(5) >> 9, number(7), seed, -seed];
+            let (mut to, mut too) = (down, down);
+            assert_eq!((advance_dsp(&mut to), to), (advance_portable(&mut too), too));
+            let weights = seed.cast_unsigned().wrapping_mul(0x9e37_79b1);
+            for switch in 0..8 {
                 let (mut a, mut b) = ([0; SEGMENT], [0; SEGMENT]);
-                dsp(first, then, across, downs, &mut a);
-                portable(first, then, across, downs, &mut b);
-                assert_eq!(a, b);
+                let (mut to, mut too) = (across, across);
+                assert_eq!(
+                    dsp(first, then, &mut to, 79, downs, &mut a),
+                    portable(first, then, &mut too, 79, downs, &mut b)
+                );
+                assert_eq!((a, to), (b, too));
             }
         }
     }

@@ -27,6 +27,7 @@ mod play;
 mod receive;
 mod record;
 mod rig;
+mod rig_correct;
 mod rig_import;
 mod scene;
 mod study;

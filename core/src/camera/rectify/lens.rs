@@ -1,6 +1,6 @@
 //! Where the pixels of rectified views lie in the views of the cameras: coarse tables, cubic between their nodes.
 
-use crate::lanes::lens_runs::{Across, Downs, PAIR, RUN, SEGMENT, five, mix, mix_segment};
+use crate::lanes::lens_runs::{Across, Down, RUN, SEGMENT, advance, copy, mix, mix_run, mix_segment, places};
 
 /// Distance of nodes, px, across and down.
 pub const NODE_PX: usize = SEGMENT;
@@ -134,12 +134,8 @@ pub(super) fn segment(places: &[Place; MAX_NODE_COLUMNS], index: usize) -> [Plac
 /// Where the pixels of a segment lie: a parabola across and one down, and how much they move from row to row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Segment {
-    /// Place of the first run's first column, 1/65536 px; from a run to the next one; by how much that grows from pair to pair.
-    pub(super) across: [i32; 3],
-    /// Place of the middle of the first pair of runs; from a pair to the next one; by how much that grows.
-    pub(super) down: [i32; 3],
-    /// Growth from row to row: of the first two of those across, of all down.
-    growth: [i32; 5],
+    down: Down,
+    across: Across,
 }
 
 impl Segment {
@@ -152,57 +148,59 @@ impl Segment {
         const HALF: i32 = 1 << 11;
         let [a, b, c] = quadratic([0, 1, 2, 3].map(|i| nodes[i][0]));
         // The middles of runs lie at t = 1.5 / 32, 5.5 / 32, ..., their first columns 1.5 px further left.
-        let across = [a + ((48 * b + 2 * c) >> 10) - (3 << 15) + HALF, (32 * b + 11 * c) >> 8, c >> 4];
+        let across = [a + ((48 * b + 2 * c) >> 10) - (3 << 15) + HALF, (32 * b + 11 * c) >> 8, c >> 4, 0, 0];
         let [a, b, c] = quadratic([0, 1, 2, 3].map(|i| nodes[i][1]));
-        // The middles of pairs lie at t = 3.5 / 32, 11.5 / 32, ...
-        let down = [a + ((112 * b + 12 * c) >> 10) + HALF, (32 * b + 15 * c) >> 7, c >> 3];
-        Self { across, down, growth: [0; 5] }
+        let down = [a + ((48 * b + 2 * c) >> 10) + HALF, (32 * b + 7 * c) >> 8, c >> 5, 0, 0, 0];
+        Self { down, across }
     }
 
-    #[inline(always)]
-    pub(super) const fn unpack(numbers: &[i32; Self::LEN]) -> Self {
+    const fn unpack(numbers: &[i32; Self::LEN]) -> Self {
         let [a, b, c, d, e, f, g, h, i, j, k] = *numbers;
-        Self { across: [a, b, c], down: [d, e, f], growth: [g, h, i, j, k] }
+        Self { down: [a, b, c, d, e, f], across: [g, h, i, j, k] }
     }
 
-    #[inline(always)]
     pub(super) const fn pack(&self, numbers: &mut [i32; Self::LEN]) {
-        let Self { across: [a, b, c], down: [d, e, f], growth: [g, h, i, j, k] } = *self;
+        let Self { down: [a, b, c, d, e, f], across: [g, h, i, j, k] } = *self;
         *numbers = [a, b, c, d, e, f, g, h, i, j, k];
-    }
-
-    /// The same of the row below.
-    #[inline(always)]
-    pub(super) const fn below(&self) -> Self {
-        let Self { across: [a, b, c], down: [d, e, f], growth } = *self;
-        let [g, h, i, j, k] = growth;
-        Self { across: [a + g, b + h, c], down: [d + i, e + j, f + k], growth }
-    }
-
-    /// Places of the middles of the four pairs down.
-    #[inline(always)]
-    const fn pairs(&self) -> [i32; 4] {
-        let [first, step, bend] = self.down;
-        let second = first + step;
-        let third = second + step + bend;
-        [first, second, third, third + step + 2 * bend]
     }
 
     /// Goes on from this row so that after [`KNOT_ROWS`] rows it is `knot`.
     fn towards(&self, knot: &Self) -> Self {
-        let of = |k: usize, from: [i32; 3], to: [i32; 3]| (to[k] - from[k]) >> 3;
-        let (across, down) =
-            ([0, 1].map(|k| of(k, self.across, knot.across)), [0, 1, 2].map(|k| of(k, self.down, knot.down)));
-        let growth = [across[0], across[1], down[0], down[1], down[2]];
-        Self { across: [self.across[0], self.across[1], knot.across[2]], down: self.down, growth }
+        let growth = |from: i32, to: i32| (to - from) >> 3;
+        let ([a, b, c, ..], [d, e, f, ..]) = (self.down, knot.down);
+        let down = [a, b, c, growth(a, d), growth(b, e), growth(c, f)];
+        let ([a, b, ..], [d, e, f, ..]) = (self.across, knot.across);
+        Self { down, across: [a, b, f, growth(a, d), growth(b, e)] }
     }
 
     /// Least and greatest place down, 1/65536 px.
     fn reach(&self) -> [i32; 2] {
-        let [at, step, bend] = self.down;
-        let end = at + 3 * step + 3 * bend;
-        // Between both ends a parabola of three steps bends away by less than its bend.
-        [at.min(end) - bend.abs(), at.max(end) + bend.abs()]
+        let [at, step, bend, ..] = self.down;
+        let end = at + 7 * step + 21 * bend;
+        // Between both ends a parabola of seven steps bends away by six of its bends, and the rest is for rounding.
+        let beyond = 7 * bend.abs();
+        [at.min(end) - beyond, at.max(end) + beyond]
+    }
+}
+
+/// Place of the middle of a segment's first run down, 1/65536 px.
+pub(super) const fn first_down(numbers: &[i32; Segment::LEN]) -> i32 {
+    numbers[0]
+}
+
+/// Both parts of a segment's numbers.
+#[inline(always)]
+fn parts(numbers: &mut [i32; Segment::LEN]) -> (&mut Down, &mut Across) {
+    const NONE: &str = "a segment has six numbers down and five across";
+    let (down, across) = numbers.split_at_mut(6);
+    (down.try_into().expect(NONE), across.try_into().expect(NONE))
+}
+
+/// Goes on to the row below where that one was not made.
+pub(super) fn skip(numbers: &mut [i32; Segment::LEN]) {
+    let [a, b, c, d, e, f, g, h, _, j, k] = numbers;
+    for (number, growth) in [(a, d), (b, e), (c, f), (g, j), (h, k)] {
+        *number += *growth;
     }
 }
 
@@ -245,7 +243,8 @@ impl Reach {
 
 /// Hands out the segments of a row by their number; how far down they reach, with some room for rounding.
 fn knot(table: &LensTable, y: u32, take: &mut impl FnMut(usize, Segment)) -> [i32; 2] {
-    const ROOM: i32 = 64;
+    // Eight rows of growth rounded down, in a step's and a bend's share of the last run.
+    const ROOM: i32 = 512;
     let mut places = [[0; 2]; MAX_NODE_COLUMNS];
     table.row(y, &mut places);
     let mut reach = [i32::MAX, i32::MIN];
@@ -280,63 +279,94 @@ pub(super) fn render<'a, const WIDTH: usize>(
     let (whole, part) = out.as_chunks_mut::<SEGMENT>();
     let mut whole = whole.iter_mut();
     for numbers in numbers {
+        let (down, across) = parts(numbers);
+        let before = *down;
         let Some(pixels) = whole.next() else {
-            by_runs(numbers, &row, width, part);
+            by_runs(before, *across, &row, width, part);
+            skip(numbers);
             return;
         };
-        let segment = Segment::unpack(numbers);
-        let places @ [first, second, third, fourth] = segment.pairs();
+        let (first, weights, differ) = advance(down);
         if first >> 16 != at {
             at = first >> 16;
             rows = [row(at), row(at + 1)];
         }
-        let (mut downs, mut then) = (Downs::new(places), rows);
-        if ((first ^ second) | (first ^ third) | (first ^ fourth)).cast_unsigned() >> 16 != 0 {
-            let differ = |a: i32, b: i32| (a ^ b).cast_unsigned() >> 16 != 0;
-            match [differ(first, second), differ(second, third), differ(third, fourth)] {
-                [true, false, false] => downs = downs.switch_before(1),
-                [false, true, false] => downs = downs.switch_before(2),
-                [false, false, true] => downs = downs.switch_before(3),
-                _ => {
-                    by_runs(numbers, &row, width, pixels);
-                    continue;
+        let (mut switch, mut then) = (0, rows);
+        let mut is_simple = true;
+        if differ != 0 {
+            let places = places(before);
+            let mut changes = 0;
+            for (nth, &place) in (0..).zip(&places) {
+                if place >> 16 != at {
+                    (at, switch) = (place >> 16, nth);
+                    changes += 1;
                 }
             }
-            at = fourth >> 16;
+            is_simple = changes == 1;
             then = [row(at), row(at + 1)];
         }
-        let [start, step, bend] = segment.across;
-        if mix_segment(rows, then, Across { at: start, step, bend }, last, downs, pixels) {
-            segment.below().pack(numbers);
-        } else {
-            by_runs(numbers, &row, width, pixels);
+        let of_row = *across;
+        let is_made = mix_segment(rows, (switch, then), across, last, weights, pixels);
+        if !is_made && is_simple && beside_border(rows, (switch, then), of_row, last, weights, pixels) {
+            rows = then;
+            continue;
+        }
+        if !is_made || !is_simple {
+            by_runs(before, of_row, &row, width, pixels);
         }
         rows = then;
     }
 }
 
+/// A segment that reaches beyond the view's borders, which are repeated; whether it reaches no further than it has room for.
+#[inline(never)]
+fn beside_border<const WIDTH: usize>(
+    first: [&[u8; WIDTH]; 2],
+    (switch, then): (u32, [&[u8; WIDTH]; 2]),
+    mut across: Across,
+    last: u16,
+    weights: u32,
+    out: &mut [u8; SEGMENT],
+) -> bool {
+    const ROOM: usize = 48;
+    let from = across[0] >> 16;
+    across[0] &= 0xffff;
+    // Columns of the room that lie before the view, and from which on they lie behind it.
+    let room = |at: i32| usize::try_from(at).unwrap_or(0).min(ROOM);
+    let (before, behind) = (room(-from), room(i32::from(last) + 1 - from));
+    let window = |row: &[u8; WIDTH]| {
+        let row = row.get(..=usize::from(last)).unwrap_or(row);
+        let mut window = [row.first().copied().unwrap_or(0); ROOM];
+        if let Some(part) = window.get_mut(before..behind) {
+            copy(row.get(usize::try_from(from).unwrap_or(0)..).unwrap_or(&[]), part);
+        }
+        if let Some(part) = window.get_mut(behind..) {
+            part.fill(row.last().copied().unwrap_or(0));
+        }
+        window
+    };
+    let first = first.map(window);
+    let then = if switch == 0 { first } else { then.map(window) };
+    mix_segment([&first[0], &first[1]], (switch, [&then[0], &then[1]]), &mut across, ROOM as u16 - 1, weights, out)
+}
+
 /// Pixels of a segment that reaches beyond the camera's view, of which only a part is wanted, or that lies between many rows.
 #[inline(never)]
 fn by_runs<'a, const WIDTH: usize>(
-    numbers: &mut [i32; Segment::LEN],
+    down: Down,
+    [mut at, mut step, bend, ..]: Across,
     row: &impl Fn(i32) -> &'a [u8; WIDTH],
     width: u16,
     out: &mut [u8],
 ) {
-    let segment = Segment::unpack(numbers);
-    segment.below().pack(numbers);
-    let [mut at, mut step, bend] = segment.across;
-    for (pair, place) in out.chunks_mut(PAIR).zip(segment.pairs()) {
+    for (nth, (run, place)) in out.chunks_mut(RUN).zip(places(down)).enumerate() {
         let [above, below] = [0, 1].map(|k| row((place >> 16) + k).get(..usize::from(width)).unwrap_or(&[]));
         let down = place.cast_unsigned() >> 12 & 15;
-        for run in pair.chunks_mut(RUN) {
-            let inside = usize::try_from(at >> 16).ok().and_then(|x| five(above, x).zip(five(below, x)));
-            let (above, below) = inside.unwrap_or_else(|| (at_border(above, at), at_border(below, at)));
-            let mixed = mix(above, below, [at.cast_unsigned() >> 12 & 15, down]);
-            run.iter_mut().zip(mixed).for_each(|(pixel, mixed)| *pixel = mixed);
-            at += step;
-        }
-        step += bend;
+        let mixed = mix_run(above, below, at, down)
+            .unwrap_or_else(|| mix(at_border(above, at), at_border(below, at), [at.cast_unsigned() >> 12 & 15, down]));
+        run.iter_mut().zip(mixed).for_each(|(pixel, mixed)| *pixel = mixed);
+        at += step;
+        step += if nth % 2 == 1 { bend } else { 0 };
     }
 }
 
@@ -365,21 +395,18 @@ mod tests {
     }
 
     #[test]
-    fn runs_and_pairs_follow_the_parabola() {
+    fn runs_follow_the_parabola() {
         let nodes = [0, 30 << 16, 61 << 16, 93 << 16];
         let [a, b, c] = quadratic(nodes);
-        let place = |t: f64| f64::from(a) + f64::from(b) * t / 32.0 + f64::from(c) * t * t / 1024.0;
         let segment = Segment::new(nodes.map(|node| [node; 2]));
-        let ([mut x, mut step, bend], [mut y, mut down, grow]) = (segment.across, segment.down);
-        for pair in 0..4 {
-            let first = 8.0 * f64::from(pair);
-            assert!((f64::from(y) - 2048.0 - place(first + 3.5)).abs() < 200.0, "{pair}: {y}");
-            for run in 0..2 {
-                let wanted = place(first + 4.0 * f64::from(run) + 1.5) - 1.5 * 65_536.0 + 2048.0;
-                assert!((f64::from(x) - wanted).abs() < 2000.0, "{pair}, {run}: {x} {wanted}");
-                x += step;
-            }
-            (step, y, down) = (step + bend, y + down, down + grow);
+        let ([mut x, mut step, bend, ..], downs) = (segment.across, places(segment.down));
+        for (run, y) in (0..8).zip(downs) {
+            let t = (4.0 * f64::from(run) + 1.5) / 32.0;
+            let place = f64::from(a) + f64::from(b) * t + f64::from(c) * t * t + 2048.0;
+            assert!((f64::from(y) - place).abs() < 200.0, "{run}: {y} {place}");
+            assert!((f64::from(x) - place + 1.5 * 65_536.0).abs() < 2000.0, "{run}: {x} {place}");
+            x += step;
+            step += if run % 2 == 1 { bend } else { 0 };
         }
     }
 
@@ -415,12 +442,12 @@ mod tests {
                 let segment = Segment::unpack(numbers);
                 let [least, most] = segment.reach();
                 assert!(reach.at[0] <= least && reach.at[1] >= most, "{y}: {:?} {least} {most}", reach.at);
-                let x = 32 * u16::try_from(i).unwrap() + 12;
+                let x = 32 * u16::try_from(i).unwrap() + 2;
                 let place =
                     [x - 1, x].map(|x| table.place_q16([x, u16::try_from(y).unwrap()])[1]).iter().sum::<i32>() / 2;
-                let found = segment.down[0] + segment.down[1] - 2048;
+                let found = segment.down[0] - 2048;
                 assert!((place - found).abs() < 400, "{x}, {y}: {place} {found}");
-                segment.below().pack(numbers);
+                skip(numbers);
             }
             reach.advance();
         }

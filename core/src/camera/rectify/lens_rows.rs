@@ -1,6 +1,6 @@
 //! Rows by lens tables: when each can come out, and how it is made.
 
-use super::lens::{KNOT_ROWS, LensTable, NODE_PX, Reach, Segment, aim, render};
+use super::lens::{KNOT_ROWS, LensTable, NODE_PX, Reach, Segment, aim, first_down, render, skip};
 use super::ring::Ring;
 use super::stage::floor;
 use super::{RectifiedRow, Rectifier};
@@ -102,7 +102,7 @@ impl<const ROWS: usize, const WIDTH: usize> Rectifier<ROWS, WIDTH> {
         let middle = width / 2 / NODE_PX;
         let nearest = [0, 1].map(|view| {
             let numbers = segments_of(&mut self.segments, self.size[0], view);
-            let place = numbers.get(middle).map_or(0, |numbers| Segment::unpack(numbers).down[0]);
+            let place = numbers.get(middle).map_or(0, first_down);
             u32::try_from(floor(place + (1 << 15))).ok().filter(|&row| row < self.came)
         });
         let has = |ring: &Ring, [first, last]: [u32; 2]| !self.is_damaged || (first..=last).all(|row| ring.has(row));
@@ -113,7 +113,7 @@ impl<const ROWS: usize, const WIDTH: usize> Rectifier<ROWS, WIDTH> {
         for (view, (ring, out)) in rings.into_iter().zip(&mut self.out).enumerate() {
             let numbers = segments_of(&mut self.segments, self.size[0], view);
             if !has_pair {
-                numbers.iter_mut().for_each(|numbers| Segment::unpack(numbers).below().pack(numbers));
+                numbers.iter_mut().for_each(skip);
                 continue;
             }
             let row = |row: i32| {
