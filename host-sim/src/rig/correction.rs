@@ -18,6 +18,8 @@ const LEAST_OF_CELL: u32 = 12;
 const BEND_PRICE: f64 = 0.01;
 /// And of a first one, so that it goes on level where nothing was seen.
 const SLOPE_PRICE: f64 = 0.0001;
+/// Nearer to the left border of the right view windows are cut off, px.
+const BORDER_PX: f64 = 8.0;
 /// Part of the view's rows that must have been seen for rows of nodes: beyond, they would be guessed.
 const ROWS_SEEN: f64 = 0.75;
 /// Part of the one row's scatter that rows of nodes must not exceed to be taken.
@@ -83,7 +85,7 @@ impl Residuals {
         let mut taken = 0;
         // What the right camera does not see beside its view is no measurement.
         let last = map.width as f64 - 1.0;
-        let is_in_both = |x: &usize| (1.0..last).contains(&(*x as f64 - plane.disparity_px));
+        let is_in_both = |x: &usize| (BORDER_PX..last).contains(&(*x as f64 - plane.disparity_px));
         for y in top..=bottom.min(map.height - 1) {
             for x in (left..=right.min(map.width - 1)).filter(is_in_both) {
                 let is_sure = map.confidence[y * map.width + x] >= min_confidence;
@@ -302,9 +304,9 @@ mod tests {
             // Every second call took nothing.
             all.counts[1].clone_from(&all.counts[0]);
             let fit = all.fit().unwrap();
-            assert_eq!((fit.nodes.len(), fit.columns, fit.rows), (rows, [4, 127], [8, 91]));
+            assert_eq!((fit.nodes.len(), fit.columns, fit.rows), (rows, [12, 127], [8, 91]));
             let nodes: Vec<f64> = fit.nodes.concat();
-            for (x, y) in [(8, 50), (40, 20), (64, 48), (100, 80), (123, 50)] {
+            for (x, y) in [(16, 50), (40, 20), (64, 48), (100, 80), (123, 50)] {
                 let found = value(&nodes, [NODES[0], rows], [(x as f64 + 0.5) / 128.0, (y as f64 + 0.5) / 96.0]);
                 assert!((found - bent(x, y, down)).abs() < 0.07, "{x}, {y}: {found} {}", bent(x, y, down));
             }
