@@ -61,7 +61,7 @@ const PATIENCE: Patience = Patience {
 
 type Clock = &'static CycleClock;
 /// The method behind rectification, with the rows that the rig needs.
-type Behind = Rectified<&'static mut dyn StereoMethod, { PLAN.waiting_rows() }, { settings::WIDTH as usize }>;
+type Behind = Rectified<&'static mut dyn StereoMethod, { PLAN.waiting_rows() }, { settings::WIDTH as usize }, Clock>;
 
 /// What happened to the camera's frames.
 static COUNTERS: SharedCounters = SharedCounters::new();
@@ -188,7 +188,7 @@ fn method(clock: Clock) -> Result<&'static mut dyn StereoMethod, ConfigError> {
 
 /// Builds it behind rectification.
 fn behind_offset(clock: Clock) -> &'static mut Behind {
-    match method(clock).and_then(|method| Rectified::new(method, PLAN.height, PLAN.rectification)) {
+    match method(clock).and_then(|method| Rectified::timed(method, PLAN.height, PLAN.rectification, clock)) {
         Ok(behind) => BEHIND.init(behind),
         Err(error) => defmt::panic!("the rig: {}", defmt::Display2Format(&error)),
     }
@@ -283,12 +283,13 @@ async fn statistics_task(clock: Clock) {
             );
         }
         let now = Stage::ALL.map(|stage| clock.of(stage));
-        let [unpack, features, contours, seeds, blocks, agreement, consistency, output, _]: [u64; Stage::COUNT] =
-            core::array::from_fn(|nth| now[nth] - before[nth]);
+        let [unpack, rectify, features, contours, seeds, blocks, agreement, consistency, output, _]: [u64;
+            Stage::COUNT] = core::array::from_fn(|nth| now[nth] - before[nth]);
         before = now;
         defmt::info!(
-            "cycles: unpack {=u64}, features {=u64}, contours {=u64}, seeds {=u64}, blocks {=u64}, agreement {=u64}, consistency {=u64}, output {=u64}",
+            "cycles: unpack {=u64}, rectify {=u64}, features {=u64}, contours {=u64}, seeds {=u64}, blocks {=u64}, agreement {=u64}, consistency {=u64}, output {=u64}",
             unpack,
+            rectify,
             features,
             contours,
             seeds,

@@ -26,6 +26,7 @@ pub(crate) use x86_64::*;
 use x86_64_rows::{gradient_across_fours, gradient_down_fours};
 
 pub(crate) mod evidence_rows;
+pub(crate) mod lens_runs;
 pub(crate) mod rows;
 
 /// One in each lane.

@@ -2,16 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result};
 use haarline::align::{Estimate, Order, Verdict};
-use haarline_rig::Description;
 use serde::Serialize;
 
-use super::shared::{LayoutArgs, WiringArgs, progress, warn_skipped};
-use super::{Finding, print, whole_number};
+use super::shared::{FrameArgs, progress, readable};
+use super::{Finding, print};
 use crate::StereoPair;
-use crate::input::raw_dump::{RawFormat, ViewSize};
-use crate::input::recording::{FrameRange, RecordedFrame, find_frames, find_raw_frames};
+use crate::input::recording::RecordedFrame;
 use crate::output;
 use crate::output::claims::Claims;
 use crate::rig::align::{self, Displacement};
@@ -38,18 +36,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "FILE.png")]
     picture: Option<PathBuf>,
     #[command(flatten)]
-    layout: LayoutArgs,
-    /// The recording is a raw dump; the size is that of one view, px
-    #[arg(long, value_name = "WIDTHxHEIGHT", conflicts_with_all = ["layout", "left_views"])]
-    raw: Option<ViewSize>,
-    #[command(flatten)]
-    wiring: WiringArgs,
-    /// Only these frames, counted from 0 in the order of their names: A..B without B, A.. or ..B
-    #[arg(long, value_name = "A..B", allow_hyphen_values = true)]
-    frames: Option<FrameRange>,
-    /// Only every K-th of them [default: so that at most 40 are left]
-    #[arg(long, value_name = "K", allow_hyphen_values = true, value_parser = whole_number)]
-    every: Option<i64>,
+    frames: FrameArgs,
     /// Prints everything as JSON
     #[arg(long)]
     json: bool,
@@ -78,18 +65,13 @@ struct Summary {
 
 impl Args {
     pub(super) fn run(self) -> Result<()> {
-        let step = self.every.map(|every| {
-            let step = usize::try_from(every).ok().filter(|&step| step > 0);
-            step.with_context(|| format!("--every {every}: must be 1 or more"))
-        });
-        let step = step.transpose()?;
         if let Some(path) = &self.picture {
             output::check_png_name("--picture", path)?;
         }
         let file = self.output.as_deref().map(|path| DescriptionFile::open("-o", path, self.update)).transpose()?;
-        let frames = self.find(file.as_ref().and_then(DescriptionFile::description).as_ref())?;
+        let frames = self.frames.find(&self.recording, file.as_ref().and_then(DescriptionFile::description).as_ref())?;
         self.claim(&frames, file.as_ref())?;
-        let frames = self.choose(frames, step)?;
+        let frames = self.frames.choose_from(frames, USUAL_FRAMES)?;
         let (frames, damaged, middle) = readable(frames)?;
         let bar = progress(align::steps(frames.len()), "frames")?;
         let estimate = align::align_all([middle.width(), middle.height()], |see| {
@@ -128,32 +110,6 @@ impl Args {
         self.picture.as_ref().map_or(Ok(()), |path| claims.write_beside("--picture", path))
     }
 
-    /// All frames; `rig` is the description that is to be changed.
-    fn find(&self, rig: Option<&Description>) -> Result<Vec<RecordedFrame>> {
-        let Some(size) = self.raw else {
-            ensure!(self.wiring.get()?.is_none(), "--wiring: is for raw dumps, add --raw WIDTHxHEIGHT");
-            ensure!(
-                self.layout.layout.has_both() || self.wiring.first.is_none(),
-                "--first: is for frames with both views, add --layout side-by-side or top-bottom"
-            );
-            return find_frames(&self.recording, self.layout.get(self.wiring.first_with(rig))?);
-        };
-        find_raw_frames(&self.recording, RawFormat { size, wiring: self.wiring.get_with(rig)? })
-    }
-
-    fn choose(&self, frames: Vec<RecordedFrame>, step: Option<usize>) -> Result<Vec<RecordedFrame>> {
-        let recorded = frames.len();
-        let range = self.frames.unwrap_or_default();
-        let chosen = range.choose(frames, 1);
-        ensure!(
-            !chosen.is_empty(),
-            "--frames {range}: the recording has {recorded} frames only, counted from 0: the last one is {}",
-            recorded - 1
-        );
-        let step = step.unwrap_or_else(|| if self.frames.is_some() { 1 } else { chosen.len().div_ceil(USUAL_FRAMES) });
-        Ok(chosen.into_iter().step_by(step).collect())
-    }
-
     fn written(&self, changes: &[String]) -> String {
         let name = self.output.as_deref().unwrap_or_else(|| Path::new("")).display();
         let changed = if changes.is_empty() { "nothing changed".to_owned() } else { changes.join("; ") };
@@ -162,30 +118,6 @@ impl Args {
         } else {
             format!("in {name}: {changed}; focal_px, baseline_mm and the mounting are examples still: fill them in\n")
         }
-    }
-}
-
-/// The frames that can be read, how many others there are, and the middle one of them; a damaged one is told.
-fn readable(frames: Vec<RecordedFrame>) -> Result<(Vec<RecordedFrame>, usize, StereoPair)> {
-    let recorded = frames.len();
-    let mut last_error = None;
-    let is_readable = |frame: &RecordedFrame| match frame.read() {
-        Ok(_) => true,
-        Err(error) => {
-            warn_skipped(frame.index, &format!("{error:#}"));
-            last_error = Some(error);
-            false
-        }
-    };
-    let frames: Vec<RecordedFrame> = frames.into_iter().filter(is_readable).collect();
-    match (frames.get(frames.len() / 2), last_error) {
-        (Some(frame), _) => {
-            let middle = frame.read()?;
-            let damaged = recorded - frames.len();
-            Ok((frames, damaged, middle))
-        }
-        (None, Some(error)) => Err(error.context("no frame can be read")),
-        (None, None) => bail!("there is no frame"),
     }
 }
 

@@ -186,6 +186,7 @@ impl Args {
         let file = |name: &str| folder.path().join(name);
         fs::write(file("twin.elf"), &program).context("a folder for the run")?;
         fs::write(file("raw.bin"), &footage.raw).context("a folder for the run")?;
+        fs::write(file("tables.bin"), request.tables()).context("a folder for the run")?;
         self.machine.run(folder.path(), "twin.elf", &request.arguments(), Duration::from_secs(self.timeout))?;
 
         let report = Report::read(&file("report.txt"))?;

@@ -3,6 +3,7 @@
 mod benchmark;
 mod depth_options;
 mod fill;
+mod frames;
 mod json_output;
 mod layout;
 mod messages;
@@ -16,6 +17,7 @@ mod wiring;
 pub(super) use benchmark::{Benchmark, read_scenes, scene_folders};
 pub(super) use depth_options::DepthOptions;
 pub(super) use fill::FillArg;
+pub(super) use frames::{FrameArgs, readable};
 pub(super) use json_output::JsonOutput;
 pub(super) use layout::LayoutArgs;
 pub(super) use messages::{progress, quoted, warn_input, warn_skipped};
