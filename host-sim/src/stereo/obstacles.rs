@@ -296,7 +296,7 @@ mod tests {
         };
         let mut feed = finder().feed();
         // A second's frames, of which the first one's heartbeat is read: the status is the last byte but 3 of 9 + 12.
-        let mut second = |frame: &FrameObstacles| {
+        let second = |frame: &FrameObstacles| {
             let beat = feed.next(frame);
             for _ in 1..feed.frame_rate_hz {
                 assert!(feed.next(frame).first().is_none_or(|_| frame.nearest_mm.len() == 17));
@@ -304,7 +304,7 @@ mod tests {
             beat[10 + 7]
         };
         let (good, wrong, none) = (of(true, true), of(false, true), of(false, false));
-        let found = [&good, &wrong, &good, &none, &none, &none, &good].map(|frame| second(frame));
+        let found = [&good, &wrong, &good, &none, &none, &none, &good].map(second);
         assert_eq!(found, [ACTIVE, CRITICAL, ACTIVE, ACTIVE, ACTIVE, CRITICAL, ACTIVE]);
     }
 }
