@@ -16,10 +16,10 @@ use crate::answer::repetition::Repetition;
 use crate::front_end::camera_view::Row;
 use crate::front_end::noise::{Noise, SmoothingLevel};
 use crate::lanes::evidence_rows::{CellSums, CellWindows, least_with_before};
-use crate::lanes::{halved_sum, max, min, min_max, select_ge, splat, sub};
+use crate::lanes::{ONES, halved_sum, max, min, min_max, select_ge, splat, sub};
 
 /// Most that likeness adds to the merit of a cell.
-const MOST_BONUS: u32 = 32;
+const MOST_BONUS: u32 = 40;
 /// By how much the answer must fit better than what lies at the distance of like contours.
 const UNIQUE: u32 = 6;
 /// The same where the row repeats itself.
@@ -54,17 +54,17 @@ impl Floor {
         let is_noisy = noise.level >= SmoothingLevel::Medium;
         let floor = if is_noisy { floor / 2 } else { floor };
         let sure = match (noise.level, agreement) {
-            (SmoothingLevel::Off, true) => 120,
-            (SmoothingLevel::Light, true) => 130,
-            (SmoothingLevel::Medium, true) => 160 + floor / 5,
+            (SmoothingLevel::Off, true) => 121,
+            (SmoothingLevel::Light, true) => 134,
+            (SmoothingLevel::Medium, true) => 149 + 7 * floor / 20,
             (SmoothingLevel::Strong, true) => 180,
-            (SmoothingLevel::Off, false) => 108,
-            (SmoothingLevel::Light, false) => 112,
-            (SmoothingLevel::Medium, false) => 117,
-            (SmoothingLevel::Strong, false) => 120,
+            (SmoothingLevel::Off, false) => 111,
+            (SmoothingLevel::Light, false) => 113,
+            (SmoothingLevel::Medium, false) => 106,
+            (SmoothingLevel::Strong, false) => 103,
         };
         let percent = match noise.level {
-            SmoothingLevel::Off => 46,
+            SmoothingLevel::Off => 40,
             SmoothingLevel::Light => 55,
             SmoothingLevel::Medium | SmoothingLevel::Strong => 50,
         };
@@ -183,15 +183,21 @@ impl<const WORDS: usize> Evidence<WORDS> {
         ];
         let unique = splat(if self.is_repeated { UNIQUE_IN_REPETITION } else { UNIQUE });
         let blank_to = splat(floor.blank);
-        let seen_from = splat((floor.noise * 3 / 8).clamp(1, 255));
-        let down = |i: usize| planes.each_ref().map(|rows| mean(rows.map(|row| u32::from_le_bytes(row[i]))));
+        let down = |i: usize| {
+            let [fit, beside, like, strength] =
+                planes.each_ref().map(|rows| rows.map(|row| u32::from_le_bytes(row[i])));
+            // What is strong above or below only is not seen here.
+            let [above, here, below] = strength;
+            let strength = min(halved_sum(above, here), halved_sum(below, here));
+            [mean(fit), mean(beside), mean(like), strength]
+        };
         along(count, down, |i, [fits, besides, likes, strengths]| {
             let strength = mean(strengths);
             let [a, b, c] = strengths;
             let (weakest, strongest) = min_max(a, c);
             let (weakest, strongest) = (min(weakest, b), max(strongest, b));
             let quarter = halved_sum(halved_sum(strongest, 0), 0);
-            let fringe = select_ge(weakest, max(quarter, seen_from), 0, splat(FRINGE));
+            let fringe = select_ge(weakest, max(quarter, ONES), 0, splat(FRINGE));
             blanks[i] = select_ge(blank_to, strength, u32::MAX, 0).to_le_bytes();
             // 11/16 of the strength.
             let half = halved_sum(strength, 0);

@@ -30,7 +30,7 @@ pub(crate) fn check_capacity(config: &Config, words: usize) -> Result<(), Config
     config.check()?;
     if blocks_for(config.width) > words {
         let cells = words.saturating_sub(MARGINS);
-        let cells = if self::words(cells) > words { cells - 1 } else { cells };
+        let cells = if self::words(cells) > words { cells.saturating_sub(1) } else { cells };
         let max_width = u16::try_from(COLUMNS * cells).unwrap_or(u16::MAX);
         return Err(ConfigError::Capacity { max_width });
     }

@@ -215,6 +215,7 @@ impl Args {
                     frame: frame as usize,
                     nearest_mm,
                     free: Vec::new(),
+                    is_trusted: true,
                 });
                 output::write(path, &finder.encode_csv(&frames.collect::<Vec<_>>())?)?;
             }
