@@ -223,7 +223,7 @@ fn other_recordings_are_taken_off_and_stages_share_the_running_power() {
 fn what_a_joulescope_writes_is_read_in_all_its_forms() {
     let bench = Bench::new();
     let row = |index: usize, time: &str| {
-        let watts = if index % 2 == 0 { 0.1 } else { 0.3 };
+        let watts = if index.is_multiple_of(2) { 0.1 } else { 0.3 };
         format!("{time}{},3.300,{watts},{},{}\n", watts / 3.3, index, index)
     };
     let table = |head: &str, time: &dyn Fn(usize) -> String| {
