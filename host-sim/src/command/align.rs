@@ -69,7 +69,8 @@ impl Args {
             output::check_png_name("--picture", path)?;
         }
         let file = self.output.as_deref().map(|path| DescriptionFile::open("-o", path, self.update)).transpose()?;
-        let frames = self.frames.find(&self.recording, file.as_ref().and_then(DescriptionFile::description).as_ref())?;
+        let frames =
+            self.frames.find(&self.recording, file.as_ref().and_then(DescriptionFile::description).as_ref())?;
         self.claim(&frames, file.as_ref())?;
         let frames = self.frames.choose_from(frames, USUAL_FRAMES)?;
         let (frames, damaged, middle) = readable(frames)?;

@@ -170,7 +170,7 @@ impl Residuals {
     /// How many rows of nodes predict the odd frames best from the even ones.
     fn rows_of_nodes(&self) -> usize {
         let [even, odd] = [self.cells(&[0]), self.cells(&[1])];
-        let seen: std::collections::BTreeSet<usize> = self.cells(&[0, 1]).iter().map(|cell| row_of(cell)).collect();
+        let seen: std::collections::BTreeSet<usize> = self.cells(&[0, 1]).iter().map(row_of).collect();
         if even.is_empty() || odd.is_empty() || (seen.len() as f64) < ROWS_SEEN * CELLS[1] as f64 {
             return 1;
         }

@@ -1,5 +1,11 @@
 //! Where the pixels of rectified views lie in the views of the cameras: coarse tables, cubic between their nodes.
 
+#![allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_possible_wrap,
+    reason = "a handful of rows, windows of some columns"
+)]
+
 use crate::lanes::lens_runs::{Across, Down, RUN, SEGMENT, advance, copy, mix, mix_run, mix_segment, places};
 
 /// Distance of nodes, px, across and down.

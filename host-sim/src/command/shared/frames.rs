@@ -43,7 +43,11 @@ impl FrameArgs {
     }
 
     /// Those of all `frames` of a recording that are asked for.
-    pub(in crate::command) fn choose_from(&self, frames: Vec<RecordedFrame>, usual: usize) -> Result<Vec<RecordedFrame>> {
+    pub(in crate::command) fn choose_from(
+        &self,
+        frames: Vec<RecordedFrame>,
+        usual: usize,
+    ) -> Result<Vec<RecordedFrame>> {
         let step = self.every.map(|every| {
             let step = usize::try_from(every).ok().filter(|&step| step > 0);
             step.with_context(|| format!("--every {every}: must be 1 or more"))
