@@ -41,17 +41,17 @@ MARGIN = 25
 # to be mostly unknown; what few frames tell of it is not held to much.
 Bound = namedtuple("Bound", "least most median p90")
 BOUNDS = {
-    ("18", 1.0): Bound(95, 100, 12.5, 19),
+    ("18", 1.0): Bound(95, 100, 12, 19),
     ("16", 2.5): Bound(95, 100, 22, 28),
     ("01", 0.0): Bound(0, 60, 33, 33),
     ("01", 0.4): Bound(95, 100, 10, 23),
     ("01", 1.0): Bound(95, 100, 10, 16),
     ("01", 1.5): Bound(95, 100, 15, 19),
-    ("01", 2.5): Bound(95, 100, 20, 23),
+    ("01", 2.5): Bound(90, 100, 20, 23),
     ("13", 2.5): Bound(0, 15, 30, 150),
 }
 # Other sectors that read much nearer than the obstacle, percent, at most.
-NEARER = 8
+NEARER = 5
 
 
 def play(haarline, take, folder, method, rig=RIG, frames=".."):

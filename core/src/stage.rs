@@ -5,6 +5,8 @@
 pub enum Stage {
     /// Raw bytes of the camera to two rows.
     Unpack,
+    /// Rows of both views brought together, where a rig is put right.
+    Rectify,
     /// Noise, exposure, smoothing, gradients: what is kept of the rows.
     Features,
     /// Contours of both views and grey levels of the blocks.
@@ -28,8 +30,9 @@ impl Stage {
     pub const COUNT: usize = Self::ALL.len();
 
     /// All of them, in the order of the work.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Unpack,
+        Self::Rectify,
         Self::Features,
         Self::Contours,
         Self::Seeds,
@@ -45,6 +48,7 @@ impl Stage {
     pub const fn name(self) -> &'static str {
         match self {
             Self::Unpack => "unpack",
+            Self::Rectify => "rectify",
             Self::Features => "features",
             Self::Contours => "contours",
             Self::Seeds => "seeds",

@@ -179,7 +179,7 @@ def scene(rig):
     second = rig.emulate("again", frames)
     expect("two runs send the same bytes", first.rows == second.rows, True)
     expect("bits of the sensors", re.search(r"bits of the sensors: (.*)", first.told)[1], "7 and 7")
-    for pattern in [r"started by power", r"frames \d+, rows \d+; lost rows 0, .* silences 0", r"cycles: unpack \d+, features",
+    for pattern in [r"started by power", r"frames \d+, rows \d+; lost rows 0, .* silences 0", r"cycles: unpack \d+, rectify \d+, features",
                     r"asleep \d\d? percent, stack at most \d+ B"]:
         if not re.search(pattern, first.log):
             raise Failure(f"the log has no {pattern!r}:\n{first.log}")

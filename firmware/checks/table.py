@@ -49,7 +49,7 @@ class Bench:
                    "--num-disparities", disparities, "--json")
 
     def count_random(self, method, disparities):
-        return run(self.haarline, "twin", "--random", RANDOM_SEED, "--elf", self.elf, "--method", method,
+        return run(self.haarline, "twin", "--random", "--seed", RANDOM_SEED, "--elf", self.elf, "--method", method,
                    "--num-disparities", disparities, "--json")
 
     def mean_of_four(self, method, disparities, noise=0):

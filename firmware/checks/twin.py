@@ -75,7 +75,7 @@ class Twin:
 
     @cached_property
     def clean(self):
-        return self.maps("clean", *self.recording(), "--frames", 4)
+        return self.maps("clean", *self.recording(), "--count", 4)
 
 
 def scene(twin, name, method):
@@ -151,7 +151,7 @@ def skew(twin, camera):
 
 def fault(twin, kind):
     counters, damaged = FAULTS[kind]
-    told, found = twin.maps(f"fault_{kind}", *twin.recording(), "--frames", 4, "--fault", f"{kind}@1")
+    told, found = twin.maps(f"fault_{kind}", *twin.recording(), "--count", 4, "--fault", f"{kind}@1")
     expected = {**CLEAN, "frames": 4, **counters}
     if expected["rows"] is None:
         rows = expected["rows"] = told["counters"]["rows"]
@@ -187,7 +187,7 @@ def small_recording(twin):
 
 def endurance(twin):
     arguments = small_recording(twin)
-    few, many = (twin.run(*arguments, "--frames", frames) for frames in [SHORT_RUN, LONG_RUN])
+    few, many = (twin.run(*arguments, "--count", frames) for frames in [SHORT_RUN, LONG_RUN])
     expect("counters", many["counters"], {**CLEAN, "frames": LONG_RUN, "rows": LONG_RUN * SMALL[1]})
     expect("frames compared", many["compared"], LONG_RUN)
     expect("maps unlike the host's", many["different_frames"], [])

@@ -22,6 +22,7 @@ pub mod command;
 pub mod input;
 pub mod output;
 pub mod play;
+pub mod power;
 pub mod rig;
 pub mod score;
 pub mod silicon;

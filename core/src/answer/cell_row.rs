@@ -6,8 +6,9 @@
     reason = "values have 16 bits"
 )]
 
+use crate::answer::neighbourhood::fill_up;
 use crate::lanes::{
-    difference_of_halves, halved_difference_halves, halved_sum_halves, select_ge_halves, splat_half, sub_halves,
+    difference_of_halves, halved_difference_halves, halved_sum_halves, held, select_ge_halves, splat_half, sub_halves,
 };
 
 /// Surfaces that differ by less than this are one, 1/256 px.
@@ -48,6 +49,8 @@ impl<const WORDS: usize> CellRow<WORDS> {
     /// Smooths the values along the row, each with those neighbours that are the same surface; two cells a word.
     #[inline(never)]
     pub(crate) fn smooth(&mut self, cells: usize) {
+        fill_up(&mut self.label, cells);
+        fill_up(&mut self.merit, cells);
         let pairs = cells.div_ceil(2);
         let values = &mut self.value.as_chunks_mut::<2>().0[..pairs];
         let slopes = &mut self.slope.as_chunks_mut::<2>().0[..pairs];
@@ -59,12 +62,19 @@ impl<const WORDS: usize> CellRow<WORDS> {
         }
         let mut here = values.first().map_or(0, |&pair| word(pair));
         let mut before = (here ^ u32::from(FAR)) << 16;
-        for i in 0..pairs {
-            let next = values.get(i + 1).map_or(here >> 16 ^ u32::from(FAR), |&pair| word(pair));
-            let (smooth, slope) = blend_pair(here, before >> 16 | here << 16, here >> 16 | next << 16);
-            values[i] = halves(smooth);
-            slopes[i] = halves(slope).map(u16::cast_signed);
+        let beyond = values.last().map_or(0, |&pair| word(pair) >> 16 ^ u32::from(FAR));
+        let same = held(SAME_SURFACES);
+        let both = |before: u32, here: u32, next: u32| {
+            let (smooth, slope) = blend_pair(same, here, before >> 16 | here << 16, here >> 16 | next << 16);
+            (halves(smooth), halves(slope).map(u16::cast_signed))
+        };
+        for i in 1..pairs {
+            let next = word(values[i]);
+            (values[i - 1], slopes[i - 1]) = both(before, here, next);
             (before, here) = (here, next);
+        }
+        if let (Some(value), Some(slope)) = (values.last_mut(), slopes.last_mut()) {
+            (*value, *slope) = both(before, here, beyond);
         }
     }
 }
@@ -85,10 +95,12 @@ pub(crate) const fn halves(word: u32) -> [u16; 2] {
     [word as u16, (word >> 16) as u16]
 }
 
-/// [`blend`] of two cells a word: values and slopes.
+/// Most that surfaces differ by that are one, in both halves.
+pub(crate) const SAME_SURFACES: u32 = splat_half(SAME_SURFACE.cast_unsigned() - 1);
+
+/// [`blend`] of two cells a word: values and slopes. `same` is [`SAME_SURFACES`].
 #[inline(always)]
-pub(crate) fn blend_pair(here: u32, before: u32, after: u32) -> (u32, u32) {
-    let same = splat_half(SAME_SURFACE.cast_unsigned() - 1);
+pub(crate) fn blend_pair(same: u32, here: u32, before: u32, after: u32) -> (u32, u32) {
     let (from_before, from_after) = (difference_of_halves(before, here), difference_of_halves(after, here));
     // A neighbour on another surface is like the cell itself.
     let before = select_ge_halves(same, from_before, before, here);

@@ -11,15 +11,15 @@
 #![allow(clippy::cast_possible_truncation, reason = "bytes are cut out")]
 
 use crate::Config;
-use crate::answer::median::{Fours, fours};
+use crate::answer::neighbourhood::{along, fill_up, mean, words, words_mut, words_of};
 use crate::answer::repetition::Repetition;
-use crate::front_end::camera_view::{Row, words_for};
+use crate::front_end::camera_view::Row;
 use crate::front_end::noise::{Noise, SmoothingLevel};
 use crate::lanes::evidence_rows::{CellSums, CellWindows, least_with_before};
-use crate::lanes::{halved_sum, lane, max, min, select_ge, splat, sub};
+use crate::lanes::{ONES, halved_sum, max, min, min_max, select_ge, splat, sub};
 
 /// Most that likeness adds to the merit of a cell.
-const MOST_BONUS: u32 = 32;
+const MOST_BONUS: u32 = 40;
 /// By how much the answer must fit better than what lies at the distance of like contours.
 const UNIQUE: u32 = 6;
 /// The same where the row repeats itself.
@@ -38,6 +38,8 @@ pub(crate) struct Floor {
     pub(crate) noise: u32,
     /// The merit, bonus included, from which on an answer is sure.
     pub(crate) sure: u32,
+    /// Mean magnitude of a feature up to which there is nothing to see, 1/16. On a blank wall noise makes 3/8 of `noise`.
+    pub(crate) blank: u32,
     /// Whether the noise, 26 grey levels and more after the gain, lets hardly anything stand out.
     pub(crate) is_drowned: bool,
 }
@@ -52,21 +54,28 @@ impl Floor {
         let is_noisy = noise.level >= SmoothingLevel::Medium;
         let floor = if is_noisy { floor / 2 } else { floor };
         let sure = match (noise.level, agreement) {
-            (SmoothingLevel::Off, true) => 120,
-            (SmoothingLevel::Light, true) => 130,
-            (SmoothingLevel::Medium, true) => 160 + floor / 5,
+            (SmoothingLevel::Off, true) => 121,
+            (SmoothingLevel::Light, true) => 134,
+            (SmoothingLevel::Medium, true) => 149 + 7 * floor / 20,
             (SmoothingLevel::Strong, true) => 180,
-            (SmoothingLevel::Off, false) => 108,
-            (SmoothingLevel::Light, false) => 112,
-            (SmoothingLevel::Medium, false) => 117,
-            (SmoothingLevel::Strong, false) => 120,
+            (SmoothingLevel::Off, false) => 111,
+            (SmoothingLevel::Light, false) => 113,
+            (SmoothingLevel::Medium, false) => 106,
+            (SmoothingLevel::Strong, false) => 103,
         };
+        let percent = match noise.level {
+            SmoothingLevel::Off => 40,
+            SmoothingLevel::Light => 55,
+            SmoothingLevel::Medium | SmoothingLevel::Strong => 50,
+        };
+        let blank = (floor * percent / 100).clamp(1, 255);
         let is_drowned = noise.level == SmoothingLevel::Strong && floor > 99;
-        Self { zero, noise: floor, sure, is_drowned }
+        Self { zero, noise: floor, sure, blank, is_drowned }
     }
 }
 
 /// What the cells of a row are worth.
+#[derive(Debug, Clone)]
 pub(crate) struct Worth<const WORDS: usize> {
     /// What likeness adds to the merit, [`FRINGE`] more at fringes; or [`NEVER_SURE`].
     pub(crate) bonus: [u8; WORDS],
@@ -92,10 +101,11 @@ struct Sums<const WORDS: usize> {
     strength: [u8; WORDS],
 }
 
-/// The evidence of the newest three cell rows.
+/// The evidence of the newest three cell rows of those that are measured, every second one.
 #[derive(Debug, Clone)]
 pub(crate) struct Evidence<const WORDS: usize> {
     rows: [Sums<WORDS>; 3],
+    len: u32,
     /// Whether the newest row repeats itself.
     is_repeated: bool,
 }
@@ -103,107 +113,99 @@ pub(crate) struct Evidence<const WORDS: usize> {
 impl<const WORDS: usize> Evidence<WORDS> {
     pub(crate) const EMPTY: Self = Self {
         rows: [const { Sums { fit: [0; WORDS], beside: [0; WORDS], like: [0; WORDS], strength: [0; WORDS] } }; 3],
+        len: 0,
         is_repeated: false,
     };
 
-    /// Measures the cells of row `number`.
+    /// Forgets the frame.
+    pub(crate) const fn clear(&mut self) {
+        self.len = 0;
+    }
+
+    /// Rows that are measured.
+    pub(crate) const fn len(&self) -> u32 {
+        self.len
+    }
+
+    /// Measures the cells of the next row.
     ///
     /// - `left`, `right`: its two feature rows of either view; `labels`: what it answers.
     #[inline(never)]
     pub(crate) fn measure(
         &mut self,
-        number: u32,
         config: &Config,
-        views: [[&Row<WORDS>; 2]; 2],
-        labels: &[u8; WORDS],
+        [left, right]: [&[Row<WORDS>; 2]; 2],
+        labels: &[u8],
         floor: Floor,
         repetition: &Repetition,
     ) {
-        let cells = usize::from(config.width).div_ceil(4);
-        let words = words_for(config.width.into());
-        let [left, right] = views.map(|rows| rows.map(|row| &row[..words]));
         let windows = CellWindows {
             left,
             right,
-            labels: &labels[..cells],
+            labels,
             origin: 4 - i32::from(config.min_disparity),
             distance: repetition.distance,
             zero: splat(floor.zero),
         };
-        let (mut near, mut far, mut like) = ([u8::MAX; WORDS], [u8::MAX; WORDS], [u8::MAX; WORDS]);
-        let Sums { fit, strength, .. } = &mut self.rows[(number % 3) as usize];
-        windows.sum(&mut CellSums { near: &mut near, far: &mut far, like: &mut like, fit, strength });
+        let mut sums = CellSums::EMPTY;
+        windows.sum(&mut sums);
         self.is_repeated = repetition.is_strong;
+        let row = &mut self.rows[(self.len % 3) as usize];
+        self.len += 1;
+        (row.fit, row.strength) = (sums.fit, sums.strength);
         // Another piece may lie to the left as well: what is true of the cells so much before.
         let steps = (repetition.distance as usize + 2) / 4;
-        let Sums { beside, like: least_like, .. } = &mut self.rows[(number % 3) as usize];
-        for first in (0..cells).step_by(4) {
-            store(beside, first, min(least_with_before(&near, first, 1), least_with_before(&far, first, 2)));
-            store(least_like, first, least_with_before(&like, first, steps));
+        let count = words_of(labels.len());
+        for (i, beside) in words_mut(&mut row.beside, count).iter_mut().enumerate() {
+            let beside_it = min(least_with_before(&sums.near, 4 * i, 1), least_with_before(&sums.far, 4 * i, 2));
+            *beside = beside_it.to_le_bytes();
+        }
+        for (i, like) in words_mut(&mut row.like, count).iter_mut().enumerate() {
+            *like = least_with_before(&sums.like, 4 * i, steps).to_le_bytes();
+        }
+        for plane in [&mut row.fit, &mut row.strength, &mut row.beside, &mut row.like] {
+            fill_up(plane, labels.len());
         }
     }
 
-    /// Judges the cells of row `number` by those around them; the rows above and below must be measured.
+    /// Judges the cells of the row measured as the `number`-th, and those of the row after it, by those around them.
     #[inline(never)]
-    pub(crate) fn judge(&self, number: u32, cells: usize, floor: Floor) -> Worth<WORDS> {
-        let rows = [number.saturating_sub(1), number, number + 1].map(|row| &self.rows[(row % 3) as usize]);
-        let mut worth = Worth { bonus: [0; WORDS], blank: [0; WORDS] };
+    pub(crate) fn judge(&self, number: u32, cells: usize, floor: Floor, worth: &mut Worth<WORDS>) {
+        let last = self.len.saturating_sub(1);
+        let rows = [number.saturating_sub(1), number, number + 1].map(|row| &self.rows[(row.min(last) % 3) as usize]);
+        let count = words_of(cells);
+        let (bonuses, blanks) = (words_mut(&mut worth.bonus, count), words_mut(&mut worth.blank, count));
         let planes = [
-            rows.map(|row| fours(&row.fit, cells)),
-            rows.map(|row| fours(&row.beside, cells)),
-            rows.map(|row| fours(&row.like, cells)),
-            rows.map(|row| fours(&row.strength, cells)),
+            rows.map(|row| words(&row.fit, count)),
+            rows.map(|row| words(&row.beside, count)),
+            rows.map(|row| words(&row.like, count)),
+            rows.map(|row| words(&row.strength, count)),
         ];
         let unique = splat(if self.is_repeated { UNIQUE_IN_REPETITION } else { UNIQUE });
-        let blank_to = splat((floor.noise * 2 / 5).clamp(1, 255));
-        let seen_from = splat((floor.noise * 3 / 8).clamp(1, 255));
-        let count = cells.div_ceil(4);
-        if count == 0 {
-            return worth;
-        }
-        // Means of three rows, four columns each.
-        let columns = |i: usize| planes.each_ref().map(|rows| mean_down(rows, i));
-        let mut here = columns(0);
-        let mut before = here.map(|column| splat(lane(column, 0)));
-        for i in 0..count {
-            let next = if i + 1 < count { columns(i + 1) } else { here.map(|column| splat(lane(column, 3))) };
-            let shifted = |k: usize| [here[k] << 8 | before[k] >> 24, here[k], here[k] >> 8 | next[k] << 24];
-            let mean = |[a, b, c]: [u32; 3]| halved_sum(halved_sum(a, c), b);
-            let [fit, beside, like] = [0, 1, 2].map(|k| mean(shifted(k)));
-            let strengths = shifted(3);
+        let blank_to = splat(floor.blank);
+        let down = |i: usize| {
+            let [fit, beside, like, strength] =
+                planes.each_ref().map(|rows| rows.map(|row| u32::from_le_bytes(row[i])));
+            // What is strong above or below only is not seen here.
+            let [above, here, below] = strength;
+            let strength = min(halved_sum(above, here), halved_sum(below, here));
+            [mean(fit), mean(beside), mean(like), strength]
+        };
+        along(count, down, |i, [fits, besides, likes, strengths]| {
             let strength = mean(strengths);
-            let weakest = min(min(strengths[0], strengths[2]), strengths[1]);
-            let strongest = max(max(strengths[0], strengths[2]), strengths[1]);
-            let bonus = min(sub(min(beside, like), fit), splat(MOST_BONUS));
+            let [a, b, c] = strengths;
+            let (weakest, strongest) = min_max(a, c);
+            let (weakest, strongest) = (min(weakest, b), max(strongest, b));
+            let quarter = halved_sum(halved_sum(strongest, 0), 0);
+            let fringe = select_ge(weakest, max(quarter, ONES), 0, splat(FRINGE));
+            blanks[i] = select_ge(blank_to, strength, u32::MAX, 0).to_le_bytes();
             // 11/16 of the strength.
             let half = halved_sum(strength, 0);
             let most_fit = halved_sum(strength, halved_sum(half, halved_sum(half, 0)));
-            let quarter = halved_sum(halved_sum(strongest, 0), 0);
-            let fringe = select_ge(weakest, max(quarter, seen_from), bonus, bonus | splat(FRINGE));
-            let bonus = select_ge(sub(like, fit), unique, fringe, splat(NEVER_SURE));
-            let bonus = select_ge(most_fit, fit, bonus, splat(NEVER_SURE));
-            store(&mut worth.bonus, 4 * i, bonus);
-            store(&mut worth.blank, 4 * i, select_ge(blank_to, strength, u32::MAX, 0));
-            (before, here) = (here, next);
-        }
-        worth
-    }
-}
-
-/// The means of three rows of the `i`-th four cells.
-#[inline(always)]
-fn mean_down(rows: &[Fours<'_>; 3], i: usize) -> u32 {
-    let [above, here, below] = rows.each_ref().map(|row| row.at(i));
-    halved_sum(halved_sum(above, below), here)
-}
-
-/// Stores four cells from `first` on, as many as there is room for.
-#[inline(always)]
-fn store(row: &mut [u8], first: usize, word: u32) {
-    let bytes = word.to_le_bytes();
-    if let Some(four) = row.get_mut(first..).and_then(|rest| rest.first_chunk_mut::<4>()) {
-        *four = bytes;
-    } else {
-        row.iter_mut().skip(first).zip(bytes).for_each(|(to, byte)| *to = byte);
+            let (fit, like) = (mean(fits), mean(likes));
+            let bonus = min(sub(min(mean(besides), like), fit), splat(MOST_BONUS)) | fringe;
+            let bonus = select_ge(sub(like, fit), unique, bonus, splat(NEVER_SURE));
+            bonuses[i] = select_ge(most_fit, fit, bonus, splat(NEVER_SURE)).to_le_bytes();
+        });
     }
 }

@@ -9,4 +9,6 @@ pub mod disparity;
 pub(crate) mod evidence;
 pub(crate) mod linkage;
 pub(crate) mod median;
+pub(crate) mod neighbourhood;
 pub(crate) mod repetition;
+pub(crate) mod right_view;

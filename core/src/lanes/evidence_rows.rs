@@ -1,28 +1,40 @@
 //! Sums of the evidence along a row of cells of 4 x 2 px: what fits, what is there, and what looks like it beside it.
-#![allow(clippy::cast_possible_truncation, reason = "sums are limited to 255 before")]
+#![allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_possible_wrap,
+    reason = "sums are limited to 255 before, and cells are few"
+)]
 #![expect(unsafe_code, reason = "words that begin at any byte, after one check a row")]
 
 use crate::lanes::{limited_to_byte, min, sad, sad_add};
 
 /// Sums over the cells of a row, a byte each, at most 255.
-pub(crate) struct CellSums<'a> {
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct CellSums<const WORDS: usize> {
     /// Absolute differences of the left row against itself, 4 px to the right.
-    pub(crate) near: &'a mut [u8],
+    pub(crate) near: [u8; WORDS],
     /// The same, 8 px to the right.
-    pub(crate) far: &'a mut [u8],
+    pub(crate) far: [u8; WORDS],
     /// The same, at the distance of like contours to the right.
-    pub(crate) like: &'a mut [u8],
+    pub(crate) like: [u8; WORDS],
     /// Absolute differences at the answer.
-    pub(crate) fit: &'a mut [u8],
+    pub(crate) fit: [u8; WORDS],
     /// Magnitudes of the left row's features.
-    pub(crate) strength: &'a mut [u8],
+    pub(crate) strength: [u8; WORDS],
+}
+
+impl<const WORDS: usize> CellSums<WORDS> {
+    /// No sums.
+    pub(crate) const EMPTY: Self =
+        Self { near: [0; WORDS], far: [0; WORDS], like: [0; WORDS], fit: [0; WORDS], strength: [0; WORDS] };
 }
 
 /// What the cells of a row are made of.
-pub(crate) struct CellWindows<'a> {
-    /// Its two feature rows, of either view: a word of margin, the columns, a word of margin, no more.
-    pub(crate) left: [&'a [u32]; 2],
-    pub(crate) right: [&'a [u32]; 2],
+pub(crate) struct CellWindows<'a, const WORDS: usize> {
+    /// Its two feature rows, of either view: a word of margin, the columns, a word of margin.
+    pub(crate) left: &'a [[u32; WORDS]; 2],
+    pub(crate) right: &'a [[u32; WORDS]; 2],
     /// Label of each cell.
     pub(crate) labels: &'a [u8],
     /// The byte of the right rows that label 0 of the first cell begins at.
@@ -33,49 +45,78 @@ pub(crate) struct CellWindows<'a> {
     pub(crate) zero: u32,
 }
 
-impl CellWindows<'_> {
+impl<const WORDS: usize> CellWindows<'_, WORDS> {
     /// Sums up the cells. What lies beyond the margin to the right cannot be told from the cell: 255.
     ///
     /// # Panics
-    /// If a row has not two words more than there are cells, or a sum's row fewer bytes.
+    /// If the rows have not two words more than there are cells.
     #[inline(never)]
-    pub(crate) fn sum(&self, sums: &mut CellSums<'_>) {
+    pub(crate) fn sum(&self, sums: &mut CellSums<WORDS>) {
         let cells = self.labels.len();
-        let words = cells + 2;
-        let (left, right) = (self.left, self.right);
-        assert!(cells >= 2 && left.iter().chain(&right).all(|row| row.len() == words));
-        let CellSums { near, far, like, fit, strength } = sums;
-        let (near, far, like) = (&mut near[..cells], &mut far[..cells], &mut like[..cells]);
-        let (fit, strength) = (&mut fit[..cells], &mut strength[..cells]);
+        assert!(cells >= 1 && cells + 2 <= WORDS);
         let distance = self.distance as usize;
         // So many cells whose window at the distance lies within the row.
         let likes = (cells + 1).saturating_sub(distance.div_ceil(4)).min(cells);
-        let last = 4 * words - 4;
-        // Cells answer columns of the right row that move on with them.
-        let mut origin = self.origin;
-        let mut here = [left[0][1], left[1][1]];
-        let mut next = [left[0][2], left[1][2]];
-        for c in 0..cells {
-            let beyond = if c + 3 < words { [left[0][c + 3], left[1][c + 3]] } else { next };
-            let byte = ((origin - i32::from(self.labels[c])).cast_unsigned() as usize).min(last);
-            // SAFETY: `byte` and, within `likes`, the distance leave four bytes of the row.
-            let partner = unsafe { [word(right[0], byte), word(right[1], byte)] };
-            let against = |other: [u32; 2]| byte_of(sad_add(here[1], other[1], sad(here[0], other[0])));
-            near[c] = against(next);
-            far[c] = against(beyond);
-            like[c] = if c < likes {
-                let byte = 4 * (c + 1) + distance;
-                // SAFETY: see above.
-                against(unsafe { [word(left[0], byte), word(left[1], byte)] })
+        #[cfg(haarline_dsp)]
+        let (self_done, fit_done) = {
+            let (threes, pairs) = (likes.min(cells - 1) / 3, cells / 2);
+            // SAFETY: before the last cell both words after a cell's are within the row, and so is the window at the
+            // distance within `likes`.
+            unsafe { super::self_sums_by_threes(self.left, distance, self.zero, sums, threes) };
+            // SAFETY: there are `cells` labels and the words of so many cells.
+            unsafe { super::fit_sums_by_pairs(self, sums, pairs) };
+            (3 * threes, 2 * pairs)
+        };
+        #[cfg(not(haarline_dsp))]
+        let (self_done, fit_done) = (0, 0);
+        self.sum_selves(self_done..cells, likes, sums);
+        self.sum_fit(fit_done..cells, sums);
+    }
+
+    /// What the left row shows, and what in it looks like the cells.
+    fn sum_selves(&self, cells: core::ops::Range<usize>, likes: usize, sums: &mut CellSums<WORDS>) {
+        let [a, b] = self.left;
+        let words = |word: usize| [a[word], b[word]];
+        for c in cells.clone() {
+            let (here, next) = (words(c + 1), words(c + 2));
+            // Beyond the margin it goes on like it.
+            let beyond = if c + 1 < cells.end { words(c + 3) } else { next };
+            sums.near[c] = difference(here, next);
+            sums.far[c] = difference(here, beyond);
+            sums.strength[c] = difference(here, [self.zero; 2]);
+            sums.like[c] = if c < likes {
+                let byte = 4 * (c + 1) + self.distance as usize;
+                // SAFETY: of the `cells + 2` words the window at the distance ends with the last one at most.
+                difference(here, unsafe { [word(a, byte), word(b, byte)] })
             } else {
                 u8::MAX
             };
-            fit[c] = against(partner);
-            strength[c] = against([self.zero; 2]);
-            origin += 4;
-            (here, next) = (next, beyond);
         }
     }
+
+    /// What the answers differ by.
+    fn sum_fit(&self, cells: core::ops::Range<usize>, sums: &mut CellSums<WORDS>) {
+        let ([a, b], [c, d]) = (self.left, self.right);
+        for i in cells {
+            // Cells answer columns of the right row that move on with them.
+            let byte = self.origin + 4 * i as i32 - i32::from(self.labels[i]);
+            let byte = byte.cast_unsigned().min(self.last_byte()) as usize;
+            // SAFETY: four bytes from the last one on end the row.
+            let partner = unsafe { [word(c, byte), word(d, byte)] };
+            sums.fit[i] = difference([a[i + 1], b[i + 1]], partner);
+        }
+    }
+
+    /// The byte that the last word begins at, the margin.
+    pub(super) const fn last_byte(&self) -> u32 {
+        4 * self.labels.len() as u32 + 4
+    }
+}
+
+/// Sum of absolute differences of two rows of four columns, at most 255.
+#[inline(always)]
+fn difference(a: [u32; 2], b: [u32; 2]) -> u8 {
+    byte_of(sad_add(a[1], b[1], sad(a[0], b[0])))
 }
 
 /// A sum, at most 255.
@@ -146,16 +187,17 @@ mod tests {
         let rows = [0, 1, 2, 3].map(|seed| row(seed, CELLS + 2));
         let labels: [u8; CELLS] = core::array::from_fn(|c| (5 * c % 17) as u8);
         for distance in [6, 8, 21, 46, 255] {
-            let [near, far, like, fit, strength] = &mut [[0; CELLS]; 5];
+            let mut sums = CellSums::EMPTY;
             let windows = CellWindows {
-                left: [&rows[0][..CELLS + 2], &rows[1][..CELLS + 2]],
-                right: [&rows[2][..CELLS + 2], &rows[3][..CELLS + 2]],
+                left: &[rows[0], rows[1]],
+                right: &[rows[2], rows[3]],
                 labels: &labels,
                 origin: 4,
                 distance,
                 zero: u32::from_le_bytes([15; 4]),
             };
-            windows.sum(&mut CellSums { near, far, like, fit, strength });
+            windows.sum(&mut sums);
+            let CellSums { near, far, like, fit, strength } = sums;
             let byte = |row: usize, at: usize| i32::from(feature(1000 * row + at));
             for c in 0..CELLS {
                 let sum = |other: &dyn Fn(usize, usize) -> i32| -> i32 {

@@ -177,10 +177,10 @@ pub(crate) fn halved_difference_halves(a: u32, b: u32) -> u32 {
     by_halves(a, b, |a, b| a.wrapping_sub(b) >> 1)
 }
 
-/// Half of the sum of signed halves, rounded down (SHADD16).
+/// The greater of signed halves (SSUB16, SEL).
 #[inline(always)]
-pub(crate) fn signed_halved_sum_halves(a: u32, b: u32) -> u32 {
-    halved_sum_halves(a ^ 0x8000_8000, b ^ 0x8000_8000) ^ 0x8000_8000
+pub(crate) fn signed_max_halves(a: u32, b: u32) -> u32 {
+    select_ge_halves(a ^ 0x8000_8000, b ^ 0x8000_8000, a, b)
 }
 
 /// In each unsigned half `x` where `a >= b`, else `y` (USUB16, SEL).
@@ -195,4 +195,10 @@ pub(crate) fn select_ge_halves(a: u32, b: u32, x: u32, y: u32) -> u32 {
 #[inline(always)]
 pub(crate) const fn wrapping_add(a: u32, b: u32) -> u32 {
     sum(a, b).0
+}
+
+/// The word: only Cortex-M has to be told to hold it in a register.
+#[inline(always)]
+pub(crate) const fn held(word: u32) -> u32 {
+    word
 }

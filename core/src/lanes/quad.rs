@@ -135,13 +135,6 @@ impl Quad {
         self.halved_sum_up_halves(other.xor(Self::splat(u32::MAX))).xor(Self::splat(0x8000_8000))
     }
 
-    /// Half of the sum of signed halves, rounded down.
-    #[inline(always)]
-    pub(crate) fn signed_halved_sum_halves(self, other: Self) -> Self {
-        let rest = Self::splat(0x7fff_7fff);
-        self.xor(rest).halved_sum_up_halves(other.xor(rest)).xor(rest)
-    }
-
     /// All bits of the unsigned halves that are not less.
     #[inline(always)]
     pub(crate) fn not_less_halves(self, other: Self) -> Self {

@@ -294,25 +294,30 @@ pub(crate) fn window_sad(left_rows: [&[u32]; 2], left: usize, right_rows: [&[u32
 pub(crate) struct Window([u32; 4]);
 
 impl Window {
-    /// The window at a byte of two equally long rows.
+    /// The window at a byte of two rows.
     #[inline(always)]
-    pub(crate) fn of<const WORDS: usize>(rows: [&[u32; WORDS]; 2], byte: usize) -> Self {
+    pub(crate) fn of<const WORDS: usize>(rows: &[[u32; WORDS]; 2], byte: usize) -> Self {
         assert!(byte + 8 <= 4 * WORDS);
         let [a, b] = rows;
         // SAFETY: checked above.
         unsafe { Self([word(a, byte), word(a, byte + 4), word(b, byte), word(b, byte + 4)]) }
     }
 
-    /// Sum of absolute differences.
+    /// Sum of absolute differences to the window at a byte of two rows.
     #[inline(always)]
-    pub(crate) fn sad(self, other: Self) -> u32 {
+    pub(crate) fn sad<const WORDS: usize>(&self, rows: &[[u32; WORDS]; 2], byte: usize) -> u32 {
+        assert!(byte + 8 <= 4 * WORDS);
+        // SAFETY: checked above; the rows lie one behind the other.
+        #[cfg(haarline_dsp)]
+        return unsafe { super::window_sad_words::<WORDS>(&self.0, rows.as_ptr().cast::<u8>().add(byte)) };
         #[cfg(haarline_sse2)]
-        return super::x86_64_rows::sad_of_four(self.0, other.0);
-        #[cfg(not(haarline_sse2))]
-        self.sad_by_words(other)
+        return super::x86_64_rows::sad_of_four(self.0, Self::of(rows, byte).0);
+        #[cfg(not(any(haarline_dsp, haarline_sse2)))]
+        self.sad_by_words(Self::of(rows, byte))
     }
 
     /// [`Self::sad`] by words.
+    #[cfg(any(not(any(haarline_dsp, haarline_sse2)), test))]
     #[inline(always)]
     fn sad_by_words(self, other: Self) -> u32 {
         let ([a, b, c, d], [e, f, g, h]) = (self.0, other.0);

@@ -43,8 +43,8 @@ operations! {
     halved_sum_halves;
     /// Half of the difference of unsigned halves, rounded down, modulo 2^16.
     halved_difference_halves;
-    /// Half of the sum of signed halves, rounded down.
-    signed_halved_sum_halves;
+    /// The greater of signed halves.
+    signed_max_halves;
     /// Sum of the two 16-bit halves modulo 2^16.
     add_halves;
     /// Difference of the two 16-bit halves modulo 2^16.
@@ -115,4 +115,10 @@ pub(crate) fn least(word: u32) -> u32 {
 #[inline(always)]
 pub(crate) fn greatest(word: u32) -> u32 {
     Quad::of_word(word).greatest_spread().word()
+}
+
+/// The word: only Cortex-M has to be told to hold it in a register.
+#[inline(always)]
+pub(crate) const fn held(word: u32) -> u32 {
+    word
 }

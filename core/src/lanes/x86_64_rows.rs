@@ -292,8 +292,7 @@ mod tests {
                 };
                 let expected = [cell(0, 0), cell(4, 0), cell(0, 2), cell(4, 2)];
                 assert_eq!(rows::tile_sad(&left, at, &right, byte_at), expected);
-                let window = |rows: [&Row; 2], byte: usize| rows::Window::of(rows, byte);
-                let sum = window([&a, &b], 4 * at).sad(window([&e, &a], byte_at));
+                let sum = rows::Window::of(&[a, b], 4 * at).sad(&[e, a], byte_at);
                 assert_eq!(sum, expected[0] + expected[1]);
             }
         }

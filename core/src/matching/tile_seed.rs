@@ -207,8 +207,8 @@ fn cheapest<const WORDS: usize>(
     number: u32,
     start: u32,
     end: u32,
-    left: [&Row<WORDS>; 2],
-    right: [&Row<WORDS>; 2],
+    left: &[Row<WORDS>; 2],
+    right: &[Row<WORDS>; 2],
     candidates: &mut [Contour],
 ) -> [u32; 2] {
     let (mut best, mut second) = (u32::MAX, u32::MAX);
@@ -223,7 +223,7 @@ fn cheapest<const WORDS: usize>(
             break;
         }
         if candidate.strength().wrapping_sub(weakest) <= span {
-            let cost = window.sad(Window::of(right, candidate.column())) << 8;
+            let cost = window.sad(right, candidate.column()) << 8;
             candidate.partner = candidate.partner.min(cost | number);
             let key = cost | place;
             if key < best {
@@ -238,6 +238,6 @@ fn cheapest<const WORDS: usize>(
 }
 
 /// The two rows in the middle of a tile.
-fn middle<const WORDS: usize>(rows: &[Row<WORDS>; 4]) -> [&Row<WORDS>; 2] {
-    [&rows[1], &rows[2]]
+fn middle<const WORDS: usize>([_, middle @ .., _]: &[Row<WORDS>; 4]) -> &[Row<WORDS>; 2] {
+    middle
 }

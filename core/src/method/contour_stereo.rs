@@ -185,7 +185,7 @@ fn answer<const BLOCKS: usize>(
     let [left, right] = lines.each_ref().map(ContourLine::as_slice);
     let cost_of = |column: usize| {
         let window = windows.left(column);
-        move |other: usize| window.sad(windows.right(other))
+        move |other: usize| window.sad(&windows.features[1], other)
     };
     pair::<BLOCKS, _>(windows.config, left, right, cost_of, |pair| windows.answer(pair, steps, points));
 }
@@ -217,12 +217,7 @@ impl<'a, const BLOCKS: usize> Windows<'a, BLOCKS> {
     /// The window around the contour before a column; the margin is as wide as half of it.
     #[inline(always)]
     fn left(&self, column: usize) -> Window {
-        Window::of(self.features[0].each_ref(), column)
-    }
-
-    #[inline(always)]
-    fn right(&self, column: usize) -> Window {
-        Window::of(self.features[1].each_ref(), column)
+        Window::of(&self.features[0], column)
     }
 
     /// Refines the disparity of a pair and answers the pixel on either side of the contour.
@@ -235,7 +230,7 @@ impl<'a, const BLOCKS: usize> Windows<'a, BLOCKS> {
         let cost = |disparity: i32| {
             let column = usize::try_from(x - disparity).ok().filter(|_| columns.contains(&(x - disparity)))?;
             crate::count::evaluations(1);
-            i32::try_from(window.sad(self.right(column))).ok()
+            i32::try_from(window.sad(&self.features[1], column)).ok()
         };
         let minimum = descend(x - other, i32::try_from(pair.cost).unwrap_or(0), steps, cost);
         let bits = 16 * minimum.at + minimum.refine_subpixel();

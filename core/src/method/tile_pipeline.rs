@@ -60,6 +60,7 @@ pub struct Tiled<M: Matching, const BLOCKS: usize, C = Untimed> {
     cells: M::Cells<BLOCKS>,
     repetition: Repetition,
     evidence: Evidence<BLOCKS>,
+    worth: Worth<BLOCKS>,
     answer: AnswerRow<BLOCKS>,
     sums: FrameSums,
     /// Those of the last frame that ended.
@@ -121,6 +122,7 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> Tiled<M, BLOCKS, C> {
             cells: M::Cells::EMPTY,
             repetition: Repetition::NONE,
             evidence: Evidence::EMPTY,
+            worth: Worth::TRUSTED,
             answer: AnswerRow::EMPTY,
             sums: FrameSums::default(),
             figures: None,
@@ -323,39 +325,47 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> Tiled<M, BLOCKS, C> {
     /// Answers the next cell row, if the row below it is final.
     fn answer(&mut self, tile_row: u32) {
         let row = self.answered;
-        if row >= self.last_final(tile_row) {
+        // Two cell rows share the evidence around one of them: around the upper one of a row of tiles, or the lower one, if that
+        // is final as soon.
+        let lower = u32::from(!M::AGREEMENT);
+        let number = ((row + lower) / 2).saturating_sub(lower);
+        let last = if row < lower { 0 } else { number + 1 };
+        if (2 * last + lower).max(row + 1) > self.last_final(tile_row) {
             return;
         }
         self.clock.enter(Stage::Consistency);
         let floor = Floor::of(self.noise, self.settings().clips.zero(), M::AGREEMENT);
-        if row == 0 {
-            self.measure_evidence(0, floor);
-        }
-        self.measure_evidence(row + 1, floor);
         let cells = usize::from(self.config.width).div_ceil(4);
-        let worth = if self.parts.texture { self.evidence.judge(row, cells, floor) } else { Worth::TRUSTED };
+        let is_judged = self.evidence.len() > last;
+        while self.evidence.len() <= last {
+            self.measure_evidence(2 * self.evidence.len() + lower, floor);
+        }
+        if !is_judged && self.parts.texture {
+            self.evidence.judge(number, cells, floor, &mut self.worth);
+        }
         let [left, right] = features_of([&self.left, &self.right], row);
         let sources = Sources {
             rows: [row.saturating_sub(1), row, row + 1].map(|row| self.cells.row(row)),
             left,
             right,
-            worth,
+            worth: &self.worth,
             sure: floor.sure,
         };
         self.answer.answer(&self.config, &sources);
-        self.sums.count_sure(&self.answer.confidence[..cells]);
+        if FrameSums::is_sampled(row / 2) {
+            self.sums.count_sure(&self.answer.confidence[..cells]);
+        }
         self.answered += 1;
     }
 
     /// Measures the evidence of a cell row that is final.
     fn measure_evidence(&mut self, row: u32, floor: Floor) {
         let rows = features_of([&self.left, &self.right], row);
-        let labels = &self.cells.row(row).label;
-        self.evidence.measure(row, &self.config, rows, labels, floor, &self.repetition);
-        if FrameSums::is_sampled(row) {
-            let cells = usize::from(self.config.width).div_ceil(4);
-            let rows = rows.map(|view| view.map(|row| &row[..]));
-            self.sums.add(rows, &labels[..cells], self.config.min_disparity, floor);
+        let labels = &self.cells.row(row).label[..usize::from(self.config.width).div_ceil(4)];
+        self.evidence.measure(&self.config, rows, labels, floor, &self.repetition);
+        if FrameSums::is_sampled(row / 2) {
+            let rows = rows.map(|view| view.each_ref().map(|row| &row[..]));
+            self.sums.add(rows, labels, self.config.min_disparity, floor);
         }
     }
 
@@ -447,12 +457,8 @@ const fn scramble(number: u32) -> u32 {
 fn features_of<const WORDS: usize, F: FeatureRows<WORDS>>(
     views: [&CameraView<WORDS, F>; 2],
     row: u32,
-) -> [[&[u32; WORDS]; 2]; 2] {
-    let inside = 2 * (row % 2) as usize;
-    views.map(|view| {
-        let tile = view.tiles(row / 2);
-        [&tile[inside], &tile[inside + 1]]
-    })
+) -> [&[[u32; WORDS]; 2]; 2] {
+    views.map(|view| &view.tiles(row / 2).as_chunks().0[row as usize % 2])
 }
 
 /// Where the cell row above a row of tiles is, and its own two.
@@ -474,6 +480,7 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> StereoMethod for Tiled<M, 
         self.noise = Noise::default();
         self.sums = FrameSums::default();
         self.repetition = Repetition::NONE;
+        self.evidence.clear();
         (self.rows, self.answered, self.delivered, self.missing) = (0, 0, 0, MissingRows::default());
     }
 

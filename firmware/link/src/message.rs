@@ -11,7 +11,7 @@ pub const DISPARITIES: usize = 48;
 /// Rows that the board keeps until they are taken.
 pub const KEPT: usize = 64;
 /// Stages of the pipeline, in the core's order.
-pub const STAGES: usize = 9;
+pub const STAGES: usize = 10;
 
 /// A stereo method.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]

@@ -25,12 +25,13 @@ pub async fn statistics(clock: &impl StageTotals, counters: &SharedCounters, sle
         ticker.next().await;
         frames(counters);
         let now = Stage::ALL.map(|stage| clock.of(stage));
-        let [unpack, features, contours, seeds, blocks, agreement, consistency, output, _]: [u64; Stage::COUNT] =
-            core::array::from_fn(|nth| now[nth] - before[nth]);
+        let [unpack, rectify, features, contours, seeds, blocks, agreement, consistency, output, _]: [u64;
+            Stage::COUNT] = core::array::from_fn(|nth| now[nth] - before[nth]);
         before = now;
         defmt::info!(
-            "cycles: unpack {=u64}, features {=u64}, contours {=u64}, seeds {=u64}, blocks {=u64}, agreement {=u64}, consistency {=u64}, output {=u64}",
+            "cycles: unpack {=u64}, rectify {=u64}, features {=u64}, contours {=u64}, seeds {=u64}, blocks {=u64}, agreement {=u64}, consistency {=u64}, output {=u64}",
             unpack,
+            rectify,
             features,
             contours,
             seeds,

@@ -2,16 +2,16 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result};
 use haarline::align::{Estimate, Order, Verdict};
 use serde::Serialize;
 
-use super::shared::{LayoutKind, WiringArgs, layout, progress, warn_skipped};
-use super::{Finding, print, whole_number};
+use super::shared::{FrameArgs, progress, readable};
+use super::{Finding, print};
 use crate::StereoPair;
-use crate::input::raw_dump::{RawFormat, ViewSize};
-use crate::input::recording::{FrameRange, RecordedFrame, find_frames, find_raw_frames};
+use crate::input::recording::RecordedFrame;
 use crate::output;
+use crate::output::claims::Claims;
 use crate::rig::align::{self, Displacement};
 use crate::rig::align_picture;
 use crate::rig::description_file::{DescriptionFile, Field};
@@ -28,26 +28,15 @@ pub(super) struct Args {
     /// Writes a rig description with what was found; one that is there is changed only with --update
     #[arg(short, long = "output", value_name = "RIG.toml")]
     output: Option<PathBuf>,
-    /// Changes the description of -o, which must be there; the previous one is kept as RIG.toml.bak
+    /// Changes the description of -o, which must be there; the previous one is kept as RIG.toml.bak. Its wiring and
+    /// first camera hold where no option tells otherwise
     #[arg(long, requires = "output")]
     update: bool,
     /// Picture of both views with rows drawn through them, as they came above and aligned below
     #[arg(long, value_name = "FILE.png")]
     picture: Option<PathBuf>,
-    /// How the views are stored
-    #[arg(long, value_enum, default_value_t = LayoutKind::Auto, conflicts_with = "raw")]
-    layout: LayoutKind,
-    /// The recording is a raw dump; the size is that of one view, px
-    #[arg(long, value_name = "WIDTHxHEIGHT")]
-    raw: Option<ViewSize>,
     #[command(flatten)]
-    wiring: WiringArgs,
-    /// Only these frames, counted from 0 in the order of their names: A..B without B, A.. or ..B
-    #[arg(long, value_name = "A..B", allow_hyphen_values = true)]
-    frames: Option<FrameRange>,
-    /// Only every K-th of them [default: so that at most 40 are left]
-    #[arg(long, value_name = "K", allow_hyphen_values = true, value_parser = whole_number)]
-    every: Option<i64>,
+    frames: FrameArgs,
     /// Prints everything as JSON
     #[arg(long)]
     json: bool,
@@ -76,18 +65,14 @@ struct Summary {
 
 impl Args {
     pub(super) fn run(self) -> Result<()> {
-        let step = self.every.map(|every| {
-            let step = usize::try_from(every).ok().filter(|&step| step > 0);
-            step.with_context(|| format!("--every {every}: must be 1 or more"))
-        });
-        let step = step.transpose()?;
         if let Some(path) = &self.picture {
             output::check_png_name("--picture", path)?;
-            output::check_writable("--picture", path)?;
         }
-        self.check_names()?;
         let file = self.output.as_deref().map(|path| DescriptionFile::open("-o", path, self.update)).transpose()?;
-        let frames = self.choose(step)?;
+        let frames =
+            self.frames.find(&self.recording, file.as_ref().and_then(DescriptionFile::description).as_ref())?;
+        self.claim(&frames, file.as_ref())?;
+        let frames = self.frames.choose_from(frames, USUAL_FRAMES)?;
         let (frames, damaged, middle) = readable(frames)?;
         let bar = progress(align::steps(frames.len()), "frames")?;
         let estimate = align::align_all([middle.width(), middle.height()], |see| {
@@ -117,48 +102,13 @@ impl Args {
         }
     }
 
-    /// Refuses names among the frames: a picture would be a frame of the next run.
-    fn check_names(&self) -> Result<()> {
-        let named = [("-o", &self.output), ("--picture", &self.picture)];
-        for (option, path) in named.into_iter().filter_map(|(option, path)| Some((option, path.as_deref()?))) {
-            let folders = ["", "left", "right"].map(|name| self.recording.join(name));
-            let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty());
-            let parent = parent.unwrap_or_else(|| Path::new("."));
-            let is_among = option == "--picture" && folders.iter().any(|folder| output::is_same_file(folder, parent));
-            ensure!(
-                !is_among && !output::is_same_file(path, &self.recording),
-                "{option} {}: lies in the recording, give another name",
-                path.display()
-            );
-        }
-        Ok(())
-    }
-
-    fn choose(&self, step: Option<usize>) -> Result<Vec<RecordedFrame>> {
-        let frames = match self.raw {
-            Some(size) => {
-                let wiring = self.wiring.get_required()?;
-                find_raw_frames(&self.recording, RawFormat { size, wiring })?
-            }
-            None => {
-                ensure!(self.wiring.get()?.is_none(), "--wiring: is for raw dumps, add --raw WIDTHxHEIGHT");
-                ensure!(
-                    self.layout.has_both() || self.wiring.first.is_none(),
-                    "--first: is for frames with both views, add --layout side-by-side or top-bottom"
-                );
-                find_frames(&self.recording, layout(self.layout, self.wiring.first)?)?
-            }
-        };
-        let recorded = frames.len();
-        let range = self.frames.unwrap_or_default();
-        let chosen = range.choose(frames, 1);
-        ensure!(
-            !chosen.is_empty(),
-            "--frames {range}: the recording has {recorded} frames only, counted from 0: the last one is {}",
-            recorded - 1
-        );
-        let step = step.unwrap_or_else(|| if self.frames.is_some() { 1 } else { chosen.len().div_ceil(USUAL_FRAMES) });
-        Ok(chosen.into_iter().step_by(step).collect())
+    /// Refuses to replace what is read, and a picture among the frames: it would be a frame of the next run.
+    fn claim(&self, frames: &[RecordedFrame], file: Option<&DescriptionFile>) -> Result<()> {
+        let mut claims = Claims::new();
+        claims.read_recording(&self.recording, frames.iter().flat_map(RecordedFrame::files));
+        self.output.as_ref().map_or(Ok(()), |path| claims.write("-o", path))?;
+        file.map_or(Ok(()), |file| file.claim_backup("-o", &mut claims))?;
+        self.picture.as_ref().map_or(Ok(()), |path| claims.write_beside("--picture", path))
     }
 
     fn written(&self, changes: &[String]) -> String {
@@ -169,30 +119,6 @@ impl Args {
         } else {
             format!("in {name}: {changed}; focal_px, baseline_mm and the mounting are examples still: fill them in\n")
         }
-    }
-}
-
-/// The frames that can be read, how many others there are, and the middle one of them; a damaged one is told.
-fn readable(frames: Vec<RecordedFrame>) -> Result<(Vec<RecordedFrame>, usize, StereoPair)> {
-    let recorded = frames.len();
-    let mut last_error = None;
-    let is_readable = |frame: &RecordedFrame| match frame.read() {
-        Ok(_) => true,
-        Err(error) => {
-            warn_skipped(frame.index, &format!("{error:#}"));
-            last_error = Some(error);
-            false
-        }
-    };
-    let frames: Vec<RecordedFrame> = frames.into_iter().filter(is_readable).collect();
-    match (frames.get(frames.len() / 2), last_error) {
-        (Some(frame), _) => {
-            let middle = frame.read()?;
-            let damaged = recorded - frames.len();
-            Ok((frames, damaged, middle))
-        }
-        (None, Some(error)) => Err(error.context("no frame can be read")),
-        (None, None) => bail!("there is no frame"),
     }
 }
 

@@ -10,7 +10,7 @@ use serde::Serialize;
 
 use super::degradation::DegradationOptions;
 use super::print;
-use super::shared::{DepthOptions, MethodOptions, MinConfidence, RangeArg, RigArg, SearchRange, warn_input};
+use super::shared::{DepthOptions, FillArg, MethodOptions, MinConfidence, RangeArg, RigArg, SearchRange, warn_input};
 use crate::output;
 use crate::output::claims::Claims;
 use crate::output::colour_range::ColourRange;
@@ -27,7 +27,7 @@ use crate::{Geometry, StereoPair, input::rig_file};
 /// Arguments of `haarline depth`.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
-    /// Left view: PNG, PGM, PPM, BMP, JPEG or TIFF, 8 or 16 bits (of which the high byte counts), grey
+    /// Left view: PNG, PGM, PPM, BMP, JPEG or TIFF, 8 or 16 bits, grey
     /// or colour (which becomes luma by Rec. 601, as in OpenCV)
     left: PathBuf,
     /// Right view, of the same size; matching points lie in the same row, further left
@@ -63,10 +63,8 @@ pub(super) struct Args {
     confidence: Option<PathBuf>,
     #[command(flatten)]
     min_confidence: MinConfidence,
-    /// Shows the guesses of full and lite, too, and fills what is still unknown with the farther of the next known
-    /// pixels beside it, confidence 1
-    #[arg(long)]
-    fill: bool,
+    #[command(flatten)]
+    fill: FillArg,
     #[command(flatten)]
     degradation: DegradationOptions,
     /// Prints the summary as JSON
@@ -111,9 +109,7 @@ impl Args {
         let geometry = self.depth.geometry(rig.as_ref())?;
         let max_depth_m = self.depth.max_depth_m(geometry.as_ref())?;
         let method = self.method.get()?;
-        // Filled maps show the guesses of a method that has its own.
-        let shows_guesses = self.fill && method.kind.has_guesses() && !self.min_confidence.is_told();
-        let min_confidence = if shows_guesses { 0 } else { self.min_confidence.get(Some(method.kind))? };
+        let min_confidence = self.fill.least(&self.min_confidence, method.kind)?;
         let files = self.files()?;
         self.check_outputs(&files, geometry.is_some())?;
         let pair = self.read_pair()?;
@@ -131,7 +127,7 @@ impl Args {
         let check = FrameCheck::told(figures, &pair, &rest, &map);
         map.drop_below(min_confidence);
         let obstacles = rig.as_ref().map(|rig| Found::new(rig, &map, &check)).transpose()?;
-        if self.fill {
+        if self.fill.fill {
             map.fill_holes();
         }
         let range = self.range.range.unwrap_or_else(|| ColourRange::of(&map));

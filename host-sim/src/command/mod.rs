@@ -9,6 +9,7 @@ mod demo;
 mod depth;
 mod eval;
 mod play;
+mod power;
 mod receive;
 mod record;
 mod rig;
@@ -66,6 +67,8 @@ enum Command {
     Silicon(silicon::Args),
     /// How long the methods take on this machine, and OpenCV's in turn with them
     Bench(bench::Args),
+    /// What the program takes, from the recordings of a current meter
+    Power(power::Args),
     /// Repeats the paper's experiments: tables, plots and a page
     Study(study::Args),
     /// The contours of an image as a picture, as the methods look for them
@@ -138,6 +141,7 @@ impl Cli {
             Command::Twin(args) => args.run()?,
             Command::Silicon(args) => args.run()?,
             Command::Bench(args) => args.run()?,
+            Command::Power(args) => args.run()?,
             Command::Study(args) => args.run()?,
             Command::Contours(args) => args.run()?,
         }
@@ -148,14 +152,26 @@ impl Cli {
 /// clap's message in one line, without the usage.
 fn condense(error: &error::Error) -> String {
     if error.kind() == error::ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
-        let names: Vec<_> = Cli::command().get_subcommands().map(|command| command.get_name().to_owned()).collect();
-        return format!("a command is missing: {}; haarline --help tells more", names.join(", "));
+        return missing_command(&error.to_string());
     }
     let text = error.to_string();
     let lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
     let told = lines.take_while(|line| !line.starts_with("Usage:") && !line.starts_with("For more information"));
     let joined = told.collect::<Vec<_>>().join(" ").replace(" tip: ", "; ");
     format!("{}; --help tells more", joined.strip_prefix("error: ").unwrap_or(&joined))
+}
+
+/// Which commands there are where one is missing, as in the usage of `help`.
+fn missing_command(help: &str) -> String {
+    let usage = help.lines().find_map(|line| line.trim().strip_prefix("Usage: ")).unwrap_or_default();
+    let (mut command, mut path) = (Cli::command(), "haarline".to_owned());
+    for word in usage.split_whitespace().skip(1) {
+        let Some(inner) = command.find_subcommand(word).cloned() else { break };
+        (command, path) = (inner, format!("{path} {word}"));
+    }
+    let names: Vec<&str> =
+        command.get_subcommands().map(clap::Command::get_name).filter(|name| *name != "help").collect();
+    format!("a command is missing: {}; {path} --help tells more", names.join(", "))
 }
 
 fn one_line(text: &str) -> String {
@@ -202,10 +218,45 @@ mod tests {
         Cli::command().debug_assert();
     }
 
+    /// Every long option, with its command and what it takes.
+    fn options(command: &clap::Command, found: &mut Vec<(String, String, String)>) {
+        for argument in command.get_arguments() {
+            let Some(long) = argument.get_long() else { continue };
+            let takes_value = argument.get_action().takes_values();
+            let values = argument.get_value_names().filter(|_| takes_value).unwrap_or_default();
+            found.push((long.to_owned(), command.get_name().to_owned(), format!("{values:?}")));
+        }
+        command.get_subcommands().for_each(|command| options(command, found));
+    }
+
+    #[test]
+    fn one_name_is_one_thing_in_all_commands() {
+        // What is written differs; ablate takes several noises; a report may go to a file; eval scores the obstacles
+        // that others write.
+        const EXCEPTIONS: [&str; 4] = ["output", "noise", "json", "obstacles"];
+        let mut found = Vec::new();
+        options(&Cli::command(), &mut found);
+        assert!(found.len() > 150, "{}", found.len());
+        let mut first: std::collections::BTreeMap<&str, &(String, String, String)> = std::collections::BTreeMap::new();
+        for option in found.iter().filter(|(long, ..)| !EXCEPTIONS.contains(&long.as_str())) {
+            let other = first.entry(&option.0).or_insert(option);
+            assert_eq!(option.2, other.2, "--{} of {} and {}", option.0, option.1, other.1);
+        }
+        // Whoever reads a recording can be told how its views are stored.
+        for command in ["play", "record", "align", "twin"] {
+            for wanted in ["layout", "left", "right", "first", "wiring"] {
+                let is_there = found.iter().any(|(long, name, _)| name == command && long == wanted);
+                assert!(is_there, "{command} --{wanted}");
+            }
+        }
+    }
+
     #[test]
     fn a_refusal_is_one_line_that_names_the_option() {
         let cases = [
-            ("haarline", "a command is missing"),
+            ("haarline", "a command is missing: depth, "),
+            ("haarline rig", "a command is missing: new, import, show; haarline rig --help"),
+            ("haarline power", "a command is missing: measure; haarline power --help"),
             ("haarline dept", "unrecognized subcommand 'dept'"),
             ("haarline depth", "<LEFT>"),
             ("haarline depth a b --focal-px x", "--focal-px"),

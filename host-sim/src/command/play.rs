@@ -12,8 +12,8 @@ use haarline_telemetry::LEAST_FRAMES_IN_10_S;
 use serde::Serialize;
 
 use super::shared::{
-    DepthOptions, LayoutArgs, MethodOptions, MinConfidence, RangeArg, RigArg, SearchRange, WiringArgs, progress,
-    warn_input, warn_skipped,
+    DepthOptions, FillArg, LayoutArgs, MethodOptions, MinConfidence, RangeArg, RigArg, SearchRange, WiringArgs,
+    progress, warn_input, warn_skipped,
 };
 use super::{Finding, number, print, whole_number};
 use crate::input::raw_dump::{RawFormat, ViewSize};
@@ -79,6 +79,8 @@ pub(super) struct Args {
     every: i64,
     #[command(flatten)]
     min_confidence: MinConfidence,
+    #[command(flatten)]
+    fill: FillArg,
     /// Prints the summary as JSON
     #[arg(long)]
     json: bool,
@@ -120,7 +122,7 @@ struct Summary<'a> {
 impl Args {
     pub(super) fn run(self) -> Result<()> {
         let method = self.method.get()?;
-        let min_confidence = self.min_confidence.get(Some(method.kind))?;
+        let min_confidence = self.fill.least(&self.min_confidence, method.kind)?;
         // Whatever the width will be.
         self.search.config(Config::MAX_WIDTH)?;
         let step = usize::try_from(self.every).ok().filter(|&step| step > 0);
@@ -149,7 +151,7 @@ impl Args {
         let mut totals = Totals::default();
         match format {
             Some((config, height)) => {
-                let mut player = Player::new(method, config, height, min_confidence)?;
+                let mut player = Player::new(method, config, height, min_confidence)?.filling(self.fill.fill);
                 if let Some(rig) = &rig {
                     player = player.with_rig(rig, free_beyond_mm)?;
                 }

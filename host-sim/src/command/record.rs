@@ -5,12 +5,14 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Result, bail, ensure};
 use haarline::Wiring;
+use haarline_rig::Description;
 use serde::Serialize;
 
 use super::shared::{LayoutArgs, WiringArgs, progress, warn_skipped};
 use super::{Finding, print};
 use crate::input::raw_dump::write_frame;
 use crate::input::recording::{FrameRange, RecordedFrame, find_frames};
+use crate::input::rig_file;
 use crate::output::claims::Claims;
 use crate::{StereoPair, output};
 
@@ -34,6 +36,9 @@ pub(super) struct Args {
     output: PathBuf,
     #[command(flatten)]
     wiring: WiringArgs,
+    /// Rig description: its wiring and first camera hold where no option tells otherwise
+    #[arg(long, value_name = "FILE")]
+    rig: Option<PathBuf>,
     /// Prints the summary as JSON
     #[arg(long)]
     json: bool,
@@ -70,8 +75,9 @@ struct Dump<'a> {
 
 impl Args {
     pub(super) fn run(self) -> Result<()> {
-        let wiring = self.wiring.get_required()?;
-        let sources = self.sources()?;
+        let rig = self.rig.as_deref().map(rig_file::read).transpose()?;
+        let wiring = self.wiring.get_with(rig.as_ref())?;
+        let sources = self.sources(rig.as_ref())?;
         let mut told = None;
         output::write_with(&self.output, |file| {
             let mut dump = Dump { wiring, file, size: None, frames: 0 };
@@ -98,14 +104,14 @@ impl Args {
     }
 
     /// What is read; the dump may be none of it.
-    fn sources(&self) -> Result<Vec<Source<'_>>> {
+    fn sources(&self, rig: Option<&Description>) -> Result<Vec<Source<'_>>> {
         let mut claims = Claims::new();
-        claims.read(&self.views);
+        claims.read(self.views.iter().chain(&self.rig));
         let Some(folder) = &self.recording else {
             claims.write("-o", &self.output)?;
             return Ok(vec![Source::Views(&self.views)]);
         };
-        let frames = find_frames(folder, self.layout.get(self.wiring.first)?)?;
+        let frames = find_frames(folder, self.layout.get(self.wiring.first_with(rig))?)?;
         claims.read_recording(folder, frames.iter().flat_map(RecordedFrame::files));
         claims.write("-o", &self.output)?;
         let (range, recorded) = (self.frames.unwrap_or_default(), frames.len());

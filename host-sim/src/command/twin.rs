@@ -13,7 +13,7 @@ use haarline::{Stage, Wiring};
 use haarline_rig::Description;
 use serde::Serialize;
 
-use super::shared::{LayoutKind, MinConfidence, RigArg, SearchRange, WiringArgs, layout};
+use super::shared::{LayoutArgs, MinConfidence, RigArg, SearchRange, WiringArgs};
 use super::{Finding, natural_number, number, print};
 use crate::input::frame::Shrink;
 use crate::input::raw_dump::{RawFormat, ViewSize};
@@ -49,27 +49,25 @@ pub(super) struct Args {
     /// (--layout side-by-side), or file with the bytes that a camera port stored (--raw)
     #[arg(long, value_name = "DIR")]
     recording: Option<PathBuf>,
-    /// How the recording's views are stored
-    #[arg(long, value_enum, default_value_t = LayoutKind::Auto, requires = "recording")]
-    layout: LayoutKind,
+    #[command(flatten)]
+    layout: LayoutArgs,
     /// The recording is a raw dump, frame after frame without any header, which is played as it is; the
     /// size is that of one view, px
-    #[arg(long, value_name = "WIDTHxHEIGHT", requires = "recording", conflicts_with = "layout")]
+    #[arg(long, value_name = "WIDTHxHEIGHT", requires = "recording", conflicts_with_all = ["layout", "left_views"])]
     raw: Option<ViewSize>,
-    /// Instead of a pair: two views of random bytes, 320 x 240 px, that have nothing in common; what comes of this seed
-    /// stays the same
-    #[arg(long, value_name = "SEED", conflicts_with_all = ["recording", "noise", "seed", "rig"], allow_hyphen_values = true, value_parser = natural_number)]
-    random: Option<u64>,
+    /// Instead of a pair: two views of random bytes, 320 x 240 px, that have nothing in common
+    #[arg(long, conflicts_with_all = ["recording", "noise", "rig"])]
+    random: bool,
     /// Adds Gaussian noise to both views as eval does, if the views lie in the scene's folder: standard
     /// deviation, grey levels
     #[arg(long, value_name = "SIGMA", default_value_t = 0.0, allow_hyphen_values = true, value_parser = number, conflicts_with = "raw")]
     noise: f64,
-    /// Seed of the noise
+    /// Seed of the noise and of random views
     #[arg(long, value_name = "S", default_value_t = 0, allow_hyphen_values = true, value_parser = natural_number)]
     seed: u64,
     /// Frames to play; the recording begins again where it ends [default: each once]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
-    frames: Option<u32>,
+    count: Option<u32>,
     /// Distance to the nearest obstacle in each direction of each frame, cm, as the chip found it; needs --rig
     #[arg(long, value_name = "FILE.csv", requires = "rig")]
     obstacles: Option<PathBuf>,
@@ -125,8 +123,8 @@ struct Summary {
     num_disparities: u16,
     noise: f64,
     seed: u64,
-    /// Seed of random views, where they are.
-    random: Option<u64>,
+    /// Whether the views are random.
+    random: bool,
     wiring: &'static str,
     first: &'static str,
     skew: &'static str,
@@ -172,7 +170,7 @@ impl Args {
         };
         let plan = rig.as_ref().map(Description::plan).transpose()?;
         let recorded = u32::try_from(footage.pairs.len()).context("the recording")?;
-        let frames = self.frames.unwrap_or(recorded);
+        let frames = self.count.unwrap_or(recorded);
         let fits = u64::from(frames) * (width * height * 3) as u64 <= MOST_KEPT;
         let (method, wiring) = (self.method, footage.format.wiring);
         let keep = if fits { frames } else { recorded };
@@ -182,12 +180,13 @@ impl Args {
         self.claim(recorded.max(frames), rig.as_ref())?;
 
         let elf = self.elf.clone().map_or_else(elf::find, Ok)?;
-        let program = fs::read(&elf).with_context(|| format!("{}: cannot be read", elf.display()))?;
+        let program = elf::read(&elf)?;
         let memory = elf::memory(&program, method.name()).with_context(|| elf.display().to_string())?;
         let folder = tempfile::tempdir().context("a folder for the run")?;
         let file = |name: &str| folder.path().join(name);
         fs::write(file("twin.elf"), &program).context("a folder for the run")?;
         fs::write(file("raw.bin"), &footage.raw).context("a folder for the run")?;
+        fs::write(file("tables.bin"), request.tables()).context("a folder for the run")?;
         self.machine.run(folder.path(), "twin.elf", &request.arguments(), Duration::from_secs(self.timeout))?;
 
         let report = Report::read(&file("report.txt"))?;
@@ -217,6 +216,7 @@ impl Args {
                     frame: frame as usize,
                     nearest_mm,
                     free: Vec::new(),
+                    is_trusted: true,
                 });
                 output::write(path, &finder.encode_csv(&frames.collect::<Vec<_>>())?)?;
             }
@@ -255,8 +255,8 @@ impl Args {
 
     /// All frames, with the names that tell their noise apart: that of the scene's folder or of the frame.
     fn read_pairs(&self, rig: Option<&Description>) -> Result<Vec<(String, StereoPair)>> {
-        if let Some(seed) = self.random {
-            return Ok(vec![(String::from("random"), random_views(seed))]);
+        if self.random {
+            return Ok(vec![(String::from("random"), random_views(self.seed))]);
         }
         if let (Some(left), Some(right)) = (&self.left, &self.right) {
             let pair = StereoPair::read(left, right)?;
@@ -265,7 +265,7 @@ impl Args {
             return Ok(vec![(scene.to_string_lossy().into_owned(), pair)]);
         }
         let Some(folder) = &self.recording else { bail!("two views are needed, or --recording") };
-        find_frames(folder, layout(self.layout, self.wiring.first_with(rig))?)?
+        find_frames(folder, self.layout.get(self.wiring.first_with(rig))?)?
             .into_iter()
             .map(|frame| Ok((frame.name.clone(), frame.read()?)))
             .collect()
@@ -278,7 +278,7 @@ impl Args {
         match &self.recording {
             Some(file) if self.raw.is_some() => claims.read([file]),
             Some(folder) => {
-                let frames = find_frames(folder, layout(self.layout, self.wiring.first_with(rig))?)?;
+                let frames = find_frames(folder, self.layout.get(self.wiring.first_with(rig))?)?;
                 frames.iter().for_each(|frame| claims.read(frame.files()));
             }
             None => {}

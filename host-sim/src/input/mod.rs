@@ -9,3 +9,4 @@ pub mod raw_dump;
 pub mod raw_stream;
 pub mod recording;
 pub mod rig_file;
+pub mod whole_file;

@@ -6,6 +6,7 @@ use anyhow::{Result, anyhow, ensure};
 use haarline_rig::Description;
 
 use super::frame::Shrink;
+use super::whole_file;
 use crate::rig::import;
 
 /// Reads the description in `path`.
@@ -15,7 +16,7 @@ use crate::rig::import;
 pub fn read(path: &Path) -> Result<Description> {
     let name = path.display();
     ensure!(!path.is_dir(), "{name}: is a folder, where a rig description is expected");
-    let text = std::fs::read_to_string(path).map_err(|error| anyhow!("{name}: cannot be read: {error}"))?;
+    let text = whole_file::text(path)?;
     Description::parse(&text).map_err(|error| match import::kind_of(path) {
         Some(kind) => {
             anyhow!("{name}: this is {kind}; haarline rig import {name} -o rig.toml makes a rig description of it")

@@ -94,6 +94,16 @@ impl<'a> Claims<'a> {
         Ok(())
     }
 
+    /// The image `path` is written: the same, and that it is none of the recording's frames in the next run.
+    ///
+    /// # Errors
+    /// Names the option and the file.
+    pub fn write_beside(&mut self, option: &str, path: &Path) -> Result<()> {
+        let is_among = self.recorded.contains(&Identity::of(&folder_of(path)));
+        ensure!(!is_among, "{option} {}: lies in the recording, give another name", path.display());
+        self.write(option, path)
+    }
+
     /// Files whose `names` are true are written in `folder`, which is made if it is not there: checks that
     /// none of them is read or written already.
     ///

@@ -125,17 +125,6 @@ fn is_written_in_place(path: &Path) -> bool {
     path.metadata().is_ok_and(|metadata| !metadata.is_file() && !metadata.is_dir())
 }
 
-/// Whether both names lead to one file, there or not.
-#[must_use]
-pub fn is_same_file(one: &Path, other: &Path) -> bool {
-    let resolved = |path: &Path| match (path.canonicalize(), folder_of(path).canonicalize(), path.file_name()) {
-        (Ok(path), ..) => path,
-        (_, Ok(folder), Some(name)) => folder.join(name),
-        _ => path.to_owned(),
-    };
-    resolved(one) == resolved(other)
-}
-
 fn folder_of(path: &Path) -> PathBuf {
     match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder.to_owned(),

@@ -80,6 +80,7 @@ pub struct Player {
     method: Box<dyn StereoMethod + Send>,
     height: usize,
     min_confidence: u8,
+    fills: bool,
     rig: Option<(Rectification, ObstacleFinder)>,
 }
 
@@ -89,7 +90,13 @@ impl Player {
     /// # Errors
     /// If the method refuses the configuration.
     pub fn new(method: impl Into<Method>, config: Config, height: usize, min_confidence: u8) -> Result<Self> {
-        Ok(Self { method: method.into().build(config)?, height, min_confidence, rig: None })
+        Ok(Self { method: method.into().build(config)?, height, min_confidence, fills: false, rig: None })
+    }
+
+    /// The same, whose maps have their holes filled after the obstacles were looked for, or not.
+    #[must_use]
+    pub fn filling(self, fills: bool) -> Self {
+        Self { fills, ..self }
     }
 
     /// The same for frames of that rig: takes its offsets away, and looks for obstacles, and for sectors that are free
@@ -165,9 +172,12 @@ impl Player {
         let (pair, rest) = pipeline::seen_views(&rectification, pair)?;
         let check = FrameCheck::told(run.figures, &pair, &rest, &run.map);
         run.map.drop_below(self.min_confidence);
+        let obstacles = self.rig.as_mut().map(|(_, finder)| finder.find_checked(taken.index, &run.map, &check));
+        if self.fills {
+            run.map.fill_holes();
+        }
         let report = FrameReport::played(&taken, &run, noise, &check);
         let map: DisparityMap = run.map;
-        let obstacles = self.rig.as_mut().map(|(_, finder)| finder.find_checked(taken.index, &map, &check));
         Ok(Played { name: taken.name, report, seen: Some(Seen { map, left: pair.left, obstacles }) })
     }
 }

@@ -130,7 +130,7 @@ impl FrameWriter {
             self.write_seen(name, seen)?;
         }
         if let Some(obstacles) = &mut self.obstacles {
-            let none = || FrameObstacles { frame: report.frame, nearest_mm: Vec::new(), free: Vec::new() };
+            let none = || FrameObstacles::without_map(report.frame);
             obstacles.write(&found.unwrap_or_else(none))?;
         }
         self.frames.add(&report)

@@ -1,12 +1,13 @@
 //! Changes to a rig description in a file, whose other lines and comments stay.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, anyhow, ensure};
+use anyhow::{Context, Result, ensure};
 use haarline_rig::{Description, template, with_fields};
 
+use crate::input::whole_file;
 use crate::output;
+use crate::output::claims::Claims;
 
 /// A description that is to be written: a new one from the template, or one that is there with some fields changed.
 #[derive(Debug)]
@@ -34,13 +35,23 @@ impl DescriptionFile {
             "{option} {name}: the file is there; --update changes it and keeps it as {name}.bak"
         );
         ensure!(exists || !is_update, "--update: there is no {name} to be changed; leave --update out to make it");
-        let before = if exists {
-            fs::read_to_string(path).map_err(|error| anyhow!("{name}: cannot be read: {error}"))?
-        } else {
-            template()
-        };
+        let before = if exists { whole_file::text(path)? } else { template() };
         Description::parse(&before).with_context(|| name.to_string())?;
         Ok(Self { path: path.to_owned(), before, exists })
+    }
+
+    /// Claims the name under which the previous one is kept.
+    ///
+    /// # Errors
+    /// If it is read or written already.
+    pub fn claim_backup(&self, option: &str, claims: &mut Claims<'_>) -> Result<()> {
+        if self.exists { claims.write(option, &self.backup()) } else { Ok(()) }
+    }
+
+    fn backup(&self) -> PathBuf {
+        let mut backup = self.path.clone().into_os_string();
+        backup.push(".bak");
+        PathBuf::from(backup)
     }
 
     /// What it describes before the change; `None` of a new one.
@@ -58,9 +69,7 @@ impl DescriptionFile {
         let name = self.path.display();
         Description::parse(&text).with_context(|| name.to_string())?;
         if self.exists {
-            let mut backup = self.path.clone().into_os_string();
-            backup.push(".bak");
-            output::write(Path::new(&backup), self.before.as_bytes())?;
+            output::write(&self.backup(), self.before.as_bytes())?;
         }
         output::write(&self.path, text.as_bytes())?;
         let old = |key: &str| {

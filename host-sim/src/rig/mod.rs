@@ -2,6 +2,8 @@
 
 pub mod align;
 pub mod align_picture;
+pub mod correction;
 pub mod description_file;
 pub mod import;
+pub mod planes;
 pub mod warp;

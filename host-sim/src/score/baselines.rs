@@ -5,12 +5,12 @@
 //! decides: a scene of more than 320 px is looked up under `native`.
 
 use std::collections::BTreeMap;
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Result, anyhow};
 use serde::Deserialize;
 
+use crate::input::whole_file;
 use crate::score::Score;
 use crate::score::degrade::Degradation;
 
@@ -78,7 +78,7 @@ impl Baselines {
     /// If it cannot be read or is not such a file.
     pub fn read(path: &Path) -> Result<Self> {
         let name = path.display();
-        let text = fs::read_to_string(path).map_err(|error| anyhow!("{name}: cannot be read: {error}"))?;
+        let text = whole_file::text(path)?;
         let mut baselines: Self =
             serde_json::from_str(&text).map_err(|error| anyhow!("{name}: is no baselines file: {error}"))?;
         baselines.path = path.to_owned();

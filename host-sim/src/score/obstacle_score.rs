@@ -2,8 +2,8 @@
 //!
 //! The same finder looks at the answers of a method and at the true disparities of what both cameras see. A scene
 //! without a rig is looked at as if by level cameras for which everything is in the way, so that distances are those of
-//! its disparities to scale. What the finder tells in a sector counts for the sectors beside it, too, whose border
-//! an edge of an obstacle may have crossed by a pixel.
+//! its disparities to scale. That an obstacle is found counts in the sectors beside its own, too, whose border its edge may
+//! have crossed by a pixel; what is told too far there is what stands beside it.
 
 use std::collections::BTreeMap;
 
@@ -30,11 +30,11 @@ pub struct Counts {
     pub obstacles: u64,
     /// Told within 15 percent of where they are.
     pub found: u64,
-    /// Not told of at all: no data.
+    /// Not told of at all: no data in its sectors.
     pub missed: u64,
-    /// Told more than 25 percent too far.
+    /// Told more than 25 percent too far, in one of its sectors and nowhere nearer.
     pub too_far: u64,
-    /// Told more than 15 percent too near.
+    /// Told more than 15 percent too near, there or beside.
     pub too_near: u64,
 }
 
@@ -48,15 +48,16 @@ impl Counts {
         self.too_near += other.too_near;
     }
 
-    /// One obstacle at `truth`, and what is told around it.
-    fn judge(&mut self, truth: f64, told: impl Iterator<Item = f64> + Clone) {
+    /// One obstacle at `truth`, what is told in the sectors that it stands in, and around it.
+    fn judge(&mut self, truth: f64, told: impl Iterator<Item = f64>, around: impl Iterator<Item = f64> + Clone) {
         self.obstacles += 1;
-        let nearest = told.clone().reduce(f64::min);
-        let is_found = told.into_iter().any(|mm| (mm / truth - 1.0).abs() <= FOUND);
+        let nearest = told.reduce(f64::min);
+        let is_found = around.clone().any(|mm| (mm / truth - 1.0).abs() <= FOUND);
+        let is_near = around.into_iter().any(|mm| mm < truth * (1.0 - FOUND));
         self.found += u64::from(is_found);
-        self.missed += u64::from(nearest.is_none());
-        self.too_far += u64::from(!is_found && nearest.is_some_and(|mm| mm > truth * (1.0 + TOO_FAR)));
-        self.too_near += u64::from(!is_found && nearest.is_some_and(|mm| mm < truth * (1.0 - FOUND)));
+        self.missed += u64::from(!is_found && !is_near && nearest.is_none());
+        self.too_far += u64::from(!is_found && !is_near && nearest.is_some_and(|mm| mm > truth * (1.0 + TOO_FAR)));
+        self.too_near += u64::from(!is_found && is_near);
     }
 }
 
@@ -159,15 +160,15 @@ impl ObstacleScore {
     fn judge(&mut self, told: &[Option<f64>], there: &[Option<f64>], range: impl Fn(f64) -> Range) {
         for (sector, truth) in there.iter().enumerate() {
             if let Some(truth) = truth {
-                self.sectors.judge(*truth, beside(sector, told));
+                self.sectors.judge(*truth, told[sector].into_iter(), beside(sector, told));
             }
         }
         let Some(nearest) = there.iter().flatten().copied().reduce(f64::min) else { return };
         let is_its = |truth: &Option<f64>| truth.is_some_and(|mm| mm <= nearest * (1.0 + FOUND));
         let its = (0..there.len()).filter(|&sector| is_its(&there[sector]));
-        let told = its.flat_map(|sector| beside(sector, told));
+        let around = its.clone().flat_map(|sector| beside(sector, told));
         let mut counts = Counts::default();
-        counts.judge(nearest, told);
+        counts.judge(nearest, its.filter_map(|sector| told[sector]), around);
         self.nearest.add(&counts);
         self.by_range.entry(range(nearest)).or_default().add(&counts);
     }
@@ -278,6 +279,11 @@ mod tests {
         assert_eq!(of(Some(800.0)), [1, 0, 0, 0, 1]);
         // The sector beside the post told of it.
         assert_eq!(judged(&[None, Some(1000.0), Some(3000.0), None, None], &there).nearest.found, 1);
+        // What stands beside the post is no error of the post's.
+        let beside = judged(&[None, Some(3000.0), None, Some(3000.0), None], &there).nearest;
+        assert_eq!((beside.missed, beside.too_far), (1, 0));
+        let near = judged(&[None, Some(700.0), None, Some(3000.0), None], &there).nearest;
+        assert_eq!((near.missed, near.too_near), (0, 1));
     }
 
     #[test]

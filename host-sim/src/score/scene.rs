@@ -13,7 +13,7 @@ use haarline_rig::Description;
 use image::DynamicImage;
 use serde::{Deserialize, Serialize};
 
-use crate::input::{image_file, rig_file};
+use crate::input::{image_file, rig_file, whole_file};
 use crate::stereo::method::check_config;
 use crate::{DisparityMap, StereoPair};
 
@@ -201,7 +201,7 @@ fn is_scene(folder: &Path) -> bool {
 
 /// Reads a scene's `meta.json`.
 pub(crate) fn read_meta(path: &Path) -> Result<Meta> {
-    let text = fs::read_to_string(path).map_err(|error| anyhow!("{}: cannot be read: {error}", path.display()))?;
+    let text = whole_file::text(path)?;
     serde_json::from_str(&text)
         .map_err(|error| anyhow!("{}: needs \"num_disparities\", a whole number: {error}", path.display()))
 }

@@ -89,7 +89,7 @@ mod tests {
 
     #[test]
     fn a_row_has_every_column_of_the_head() {
-        let figures = Figures { stages: [0, 500, 0, 0, 1000, 0, 0, 0, 0], worst: 300, state: 7, stack: 8 };
+        let figures = Figures { stages: [0, 0, 500, 0, 0, 1000, 0, 0, 0, 0], worst: 300, state: 7, stack: 8 };
         let outcome = Outcome { figures, pixels: 100, pushes: 10, different: None };
         let board = Board { chip: "C".into(), revision: "V".into(), mhz: 480, compiler: "rustc".into() };
         let line = Line { method: "full", outcomes: vec![outcome; 2], instructions: Some(2000) };

@@ -39,6 +39,9 @@ impl Geometry {
     /// # Errors
     /// If one is not a positive number the core can hold.
     pub fn new(focal_px: f64, baseline_mm: f64) -> Result<Self> {
+        // Where a length was told in other units, what follows would be wrong in silence.
+        ensure!((10.0..=10_000.0).contains(&focal_px), "--focal-px {focal_px}: must be 10 to 10000 px");
+        ensure!((1.0..=10_000.0).contains(&baseline_mm), "--baseline-mm {baseline_mm}: must be 1 to 10000 mm");
         let focal_px_q8 = scaled("--focal-px", focal_px, 256.0)?;
         let baseline_um = scaled("--baseline-mm", baseline_mm, 1000.0)?;
         match Rig::new(focal_px_q8, baseline_um) {

@@ -23,6 +23,8 @@ pub struct FrameObstacles {
     pub nearest_mm: Vec<Option<u32>>,
     /// Whether each sector is measured and free; empty where that was not asked for.
     pub free: Vec<bool>,
+    /// Whether the frame is believed at all ([`Trust`]). Of one that is not no sector is known.
+    pub is_trusted: bool,
 }
 
 /// Looks for obstacles in maps of one rig.
@@ -87,10 +89,11 @@ impl ObstacleFinder {
     pub fn find_checked(&mut self, frame: usize, map: &DisparityMap, check: &FrameCheck) -> FrameObstacles {
         if self.trust.take(check.input) {
             let nearest_mm = self.find(map);
-            FrameObstacles { frame, nearest_mm, free: self.finder.free().map(|free| free && check.input_ok).collect() }
+            let free = self.finder.free().map(|free| free && check.input_ok).collect();
+            FrameObstacles { frame, nearest_mm, free, is_trusted: true }
         } else {
             let sectors = self.setup.sectors.count;
-            FrameObstacles { frame, nearest_mm: vec![None; sectors], free: vec![false; sectors] }
+            FrameObstacles { frame, nearest_mm: vec![None; sectors], free: vec![false; sectors], is_trusted: false }
         }
     }
 
@@ -136,7 +139,14 @@ impl ObstacleFinder {
     #[must_use]
     pub fn feed(&self) -> MavlinkFeed {
         let Self { setup, frame_rate_hz, .. } = self;
-        MavlinkFeed { link: Link::new(SYSTEM), reach: setup.reach, frame_rate_hz: *frame_rate_hz, frames: 0 }
+        MavlinkFeed {
+            link: Link::new(SYSTEM),
+            reach: setup.reach,
+            frame_rate_hz: *frame_rate_hz,
+            frames: 0,
+            state: State::Starting,
+            without_map: 0,
+        }
     }
 }
 
@@ -165,6 +175,12 @@ impl ObstacleSummary {
 }
 
 impl FrameObstacles {
+    /// Of a frame without a map nothing is known.
+    #[must_use]
+    pub const fn without_map(frame: usize) -> Self {
+        Self { frame, nearest_mm: Vec::new(), free: Vec::new(), is_trusted: false }
+    }
+
     /// A line of `obstacles.csv`: the frame, and of each of `sectors` whole cm, empty where it is unknown.
     #[must_use]
     pub fn record(&self, sectors: usize) -> Vec<String> {
@@ -175,7 +191,8 @@ impl FrameObstacles {
 }
 
 /// What a board would send to an autopilot: `OBSTACLE_DISTANCE` of each frame that has a map, as if they came at
-/// the rig's frame rate, and a `HEARTBEAT` each second.
+/// the rig's frame rate, and a `HEARTBEAT` each second: [`State::Blind`] while frames are not believed, or for
+/// [`MavlinkFeed::PATIENCE_S`] have no map.
 #[derive(Debug, Clone)]
 pub struct MavlinkFeed {
     link: Link,
@@ -183,15 +200,28 @@ pub struct MavlinkFeed {
     frame_rate_hz: u16,
     /// Frames so far.
     frames: u64,
+    state: State,
+    /// Newest frames in a row that have no map.
+    without_map: u64,
 }
 
 impl MavlinkFeed {
+    /// How long frames may have no map, s, as on a board.
+    pub const PATIENCE_S: u64 = 2;
+
     /// The messages of the next frame.
     #[must_use]
-    pub fn next(&mut self, FrameObstacles { frame, nearest_mm, free }: &FrameObstacles) -> Vec<u8> {
+    pub fn next(&mut self, FrameObstacles { frame, nearest_mm, free, is_trusted }: &FrameObstacles) -> Vec<u8> {
         let mut bytes = Vec::new();
+        self.without_map = if nearest_mm.is_empty() { self.without_map + 1 } else { 0 };
+        self.state = match self.state {
+            State::Active if self.without_map > Self::PATIENCE_S * u64::from(self.frame_rate_hz) => State::Blind,
+            _ if self.without_map == 0 && *is_trusted => State::Active,
+            _ if self.without_map == 0 => State::Blind,
+            before => before,
+        };
         if self.frames.is_multiple_of(self.frame_rate_hz.into()) {
-            bytes.extend_from_slice(self.link.heartbeat(State::Active).as_bytes());
+            bytes.extend_from_slice(self.link.heartbeat(self.state).as_bytes());
         }
         self.frames += 1;
         if !nearest_mm.is_empty() {
@@ -246,12 +276,35 @@ mod tests {
         let mut nearest_mm = vec![None; 17];
         (nearest_mm[0], nearest_mm[8]) = (Some(12_345), Some(1509));
         let free = Vec::new();
-        let none = FrameObstacles { frame: 4, nearest_mm: Vec::new(), free: Vec::new() };
-        let frames = [FrameObstacles { frame: 3, nearest_mm, free }, none];
+        let frames = [FrameObstacles { frame: 3, nearest_mm, free, is_trusted: true }, FrameObstacles::without_map(4)];
         let csv = String::from_utf8(finder().encode_csv(&frames).unwrap()).unwrap();
         let lines: Vec<&str> = csv.lines().collect();
         assert_eq!(lines[0], "frame,-40,-35,-30,-25,-20,-15,-10,-5,0,5,10,15,20,25,30,35,40");
         assert_eq!(lines[1], "3,1234,,,,,,,,150,,,,,,,,");
         assert_eq!(lines[2..], ["4,,,,,,,,,,,,,,,,,"]);
+    }
+
+    #[test]
+    fn the_heartbeat_says_blind_of_frames_that_are_not_believed_or_have_no_map() {
+        const CRITICAL: u8 = 5;
+        const ACTIVE: u8 = 4;
+        let of = |is_trusted, has_map| FrameObstacles {
+            frame: 0,
+            nearest_mm: vec![None; if has_map { 17 } else { 0 }],
+            free: Vec::new(),
+            is_trusted,
+        };
+        let mut feed = finder().feed();
+        // A second's frames, of which the first one's heartbeat is read: the status is the last byte but 3 of 9 + 12.
+        let second = |frame: &FrameObstacles| {
+            let beat = feed.next(frame);
+            for _ in 1..feed.frame_rate_hz {
+                assert!(feed.next(frame).first().is_none_or(|_| frame.nearest_mm.len() == 17));
+            }
+            beat[10 + 7]
+        };
+        let (good, wrong, none) = (of(true, true), of(false, true), of(false, false));
+        let found = [&good, &wrong, &good, &none, &none, &none, &good].map(second);
+        assert_eq!(found, [ACTIVE, CRITICAL, ACTIVE, ACTIVE, ACTIVE, CRITICAL, ACTIVE]);
     }
 }

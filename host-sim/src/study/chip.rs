@@ -13,7 +13,7 @@ use crate::score::scene::Scene;
 use crate::stereo::method::MethodKind;
 use crate::twin::footage::Footage;
 use crate::twin::machine::Machine;
-use crate::twin::{Report, Request};
+use crate::twin::{Report, Request, elf};
 
 /// Seconds until a run on the emulated chip is given up.
 const LIMIT: Duration = Duration::from_secs(600);
@@ -34,7 +34,7 @@ impl Chip {
     /// # Errors
     /// If it cannot be read.
     pub fn read(path: &Path) -> Result<Self> {
-        let program = fs::read(path).with_context(|| format!("{}: cannot be read", path.display()))?;
+        let program = elf::read(path)?;
         Ok(Self { program, path: path.to_owned() })
     }
 

@@ -7,6 +7,7 @@
 pub mod alignment;
 pub mod block;
 pub mod chip;
+pub mod confidence;
 pub mod detail;
 pub mod envelope;
 pub mod noise;
@@ -43,6 +44,11 @@ pub const STUDIES: &[Study] = &[
         name: "block",
         about: "Table 1: block matching against its wavelet-modified form and the other methods",
         run: block::run,
+    },
+    Study {
+        name: "confidence",
+        about: "What a confidence is worth: wrong answers by class, and what the tests of evidence bring",
+        run: confidence::run,
     },
     Study {
         name: "rigs",

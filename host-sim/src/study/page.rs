@@ -46,6 +46,16 @@ figure svg { display: block; background: #fff; max-width: 100%; height: auto; bo
 /// The page of `outcomes`, in their order.
 #[must_use]
 pub fn page(title: &str, origin: &Origin<'_>, outcomes: &[Outcome]) -> String {
+    let body = html! {
+        (made_by(origin))
+        @if outcomes.len() > 1 { (contents(outcomes)) }
+        @for outcome in outcomes { (section(outcome)) }
+    };
+    document(title, &body)
+}
+
+/// A page in one file, with that heading.
+pub(crate) fn document(title: &str, body: &Markup) -> String {
     let markup = html! {
         (DOCTYPE)
         html lang="en" {
@@ -57,9 +67,7 @@ pub fn page(title: &str, origin: &Origin<'_>, outcomes: &[Outcome]) -> String {
             }
             body {
                 h1 { (title) }
-                (made_by(origin))
-                @if outcomes.len() > 1 { (contents(outcomes)) }
-                @for outcome in outcomes { (section(outcome)) }
+                (body)
             }
         }
     };
@@ -90,12 +98,19 @@ fn section(outcome: &Outcome) -> Markup {
     html! {
         section id=(outcome.name) {
             h2 { (outcome.title) }
-            @for part in &outcome.parts {
-                @match part {
-                    Part::Text(text) => p { (text) },
-                    Part::Table(table) => (figures(table)),
-                    Part::Plot(plot) => (picture(plot)),
-                }
+            (parts(&outcome.parts))
+        }
+    }
+}
+
+/// Words, tables and plots, one below the other.
+pub(crate) fn parts(parts: &[Part]) -> Markup {
+    html! {
+        @for part in parts {
+            @match part {
+                Part::Text(text) => p { (text) },
+                Part::Table(table) => (figures(table)),
+                Part::Plot(plot) => (picture(plot)),
             }
         }
     }

@@ -8,10 +8,23 @@ use anyhow::{Context, Result, bail, ensure};
 use object::{Object, ObjectSection, ObjectSymbol, SectionFlags, SymbolKind, elf};
 use serde::Serialize;
 
+use crate::input::whole_file;
+
 const TARGET: &str = "thumbv7em-none-eabihf";
 
 /// Names a built program for all runs, where `--elf` does not.
 const VARIABLE: &str = "HAARLINE_TWIN";
+
+/// No program of a chip's is longer.
+const MAX_BYTES: u64 = 256 << 20;
+
+/// Reads a program.
+///
+/// # Errors
+/// If it cannot be read.
+pub fn read(path: &Path) -> Result<Vec<u8>> {
+    whole_file::bytes(path, MAX_BYTES)
+}
 
 /// The program that the environment names, or one that is built.
 ///

@@ -1,6 +1,5 @@
 //! What the cameras' port stores, and what the chip makes of it.
 
-use std::fs;
 use std::path::Path;
 
 use anyhow::{Context, Result, ensure};
@@ -8,6 +7,10 @@ use haarline::Wiring;
 
 use crate::StereoPair;
 use crate::input::raw_dump::{RawFormat, ViewSize, write_frame};
+use crate::input::whole_file;
+
+/// No dump that is played at once is longer.
+const MAX_RAW_BYTES: u64 = 1 << 30;
 
 /// Frames as the bytes of a camera port.
 #[derive(Debug, Clone)]
@@ -42,7 +45,7 @@ impl Footage {
     /// If the file cannot be read or has not even one whole frame.
     pub fn read(path: &Path, format: RawFormat) -> Result<Self> {
         format.count_frames(path)?;
-        let mut raw = fs::read(path).with_context(|| format!("{}: cannot be read", path.display()))?;
+        let mut raw = whole_file::bytes(path, MAX_RAW_BYTES)?;
         raw.truncate(raw.len() - raw.len() % format.frame_bytes());
         Self::of(format, raw)
     }
@@ -58,6 +61,7 @@ mod tests {
     use super::*;
     use crate::Frame;
     use haarline::wiring::{First, Kind};
+    use std::fs;
 
     fn pair(width: usize) -> StereoPair {
         let view = |factor: usize| Frame::from_luma(width, 3, (0..width * 3).map(|i| (i * factor) as u8).collect());

@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use anyhow::{Context, Result, ensure};
-use haarline::{Config, Stage, Wiring};
+use haarline::{Config, Rectification, Stage, Wiring};
 use haarline_rig::Plan;
 
 use crate::stereo::method::MethodKind;
@@ -106,7 +106,11 @@ impl Request {
         arguments.extend(self.fault.iter().map(|fault| format!("fault={fault}")));
         if let Some(plan) = &self.plan {
             let axis_q8 = plan.rig.axis_q8([plan.config.width, plan.height]);
+            let Rectification { lenses, correction, .. } = plan.rectification;
             arguments.extend([
+                format!("lens_nodes={}", lenses.map_or(0, |[left, _]| left.nodes().len())),
+                format!("correction_nodes={}", correction.map_or(0, |correction| correction.nodes().len())),
+                format!("correction_columns={}", correction.map_or(0, |correction| correction.columns())),
                 format!("rows_q16={}", plan.rectification.ramp.rows_q16),
                 format!("roll_q16={}", plan.rectification.ramp.roll_q16),
                 format!("scale_q16={}", plan.rectification.ramp.scale_q16),
@@ -129,6 +133,17 @@ impl Request {
         arguments
     }
 
+    /// The rig's tables, as the program reads them from a file; none where it has none.
+    #[must_use]
+    pub fn tables(&self) -> Vec<u8> {
+        let Some(Rectification { lenses, correction, .. }) = self.plan.as_ref().map(|plan| plan.rectification) else {
+            return Vec::new();
+        };
+        let lenses = lenses.iter().flatten().flat_map(|table| table.nodes().iter().flatten());
+        let correction = correction.iter().flat_map(|correction| correction.nodes());
+        lenses.chain(correction).flat_map(|node| node.to_le_bytes()).collect()
+    }
+
     /// The frame that the fault is in.
     #[must_use]
     pub fn damaged(&self) -> Option<u32> {
@@ -147,16 +162,10 @@ impl Request {
             "--method {}: runs on the host only, the reference on the chip is block",
             self.method
         );
-        ensure!(
-            self.plan
-                .as_ref()
-                .is_none_or(|plan| { plan.rectification.lenses.is_none() && plan.rectification.correction.is_none() }),
-            "--rig: its lens tables and its disparity_correction are not given to the emulated application: leave these fields out"
-        );
         let frame = self.damaged();
         ensure!(
             frame.is_none_or(|frame| frame < self.frames),
-            "--fault {}: frames are counted from 0, and {} frame(s) are played: ask for more by --frames",
+            "--fault {}: frames are counted from 0, and {} frame(s) are played: ask for more by --count",
             self.fault.as_deref().unwrap_or_default(),
             self.frames
         );

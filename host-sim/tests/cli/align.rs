@@ -56,6 +56,29 @@ fn a_description_is_changed_only_when_asked_and_kept() {
 }
 
 #[test]
+fn the_description_that_is_changed_tells_the_wiring_and_the_first_camera() {
+    let bench = Bench::new();
+    record(&bench, 2);
+    let size = [("width", WIDTH), ("height", HEIGHT), ("num_disparities", 16)];
+    crate::overwrite::write_rig(&bench, &size);
+    let text = String::from_utf8(bench.read("rig.toml")).unwrap();
+    let wired =
+        text.replace("wiring = \"pixel\"", "wiring = \"nibble\"").replace("first = \"left\"", "first = \"right\"");
+    assert!(wired.contains("\"nibble\"") && wired.contains("first = \"right\""), "{text}");
+    bench.write("rig.toml", &wired);
+    bench.succeeds("record --recording take --rig rig.toml -o take.raw");
+    bench.succeeds("record --recording take --wiring nibble --first right -o told.raw");
+    assert!(bench.read("take.raw") == bench.read("told.raw"));
+    let raw = format!("take.raw --raw {WIDTH}x{HEIGHT}");
+    bench.refuses(&format!("align {raw}"), &["--wiring"]);
+    bench.succeeds(&format!("align {raw} -o rig.toml --update"));
+    let rows = bench.succeeds("rig show rig.toml --json").json()["row_offset"].as_f64().unwrap();
+    assert!((rows - 2.0).abs() < 0.1, "{rows}");
+    let patterns = "align take --left l*/*.png --right r*/*.png --json";
+    assert!((bench.succeeds(patterns).json()["row_offset"].as_f64().unwrap() - 2.0).abs() < 0.1);
+}
+
+#[test]
 fn what_does_not_show_it_is_not_observable() {
     let bench = Bench::new();
     let flat =

@@ -112,6 +112,9 @@ fn focal_length_and_baseline_apart_or_not_positive() {
     let bench = usual();
     depth_refuses(&bench, "--focal-px 200", &["--focal-px", "--baseline-mm"]);
     depth_refuses(&bench, "--baseline-mm 60", &["--baseline-mm", "--focal-px"]);
+    // Metres where millimetres are asked for, or a lens's millimetres where pixels are, would be wrong in silence.
+    depth_refuses(&bench, "--focal-px 200 --baseline-mm 0.06", &["--baseline-mm 0.06", "1 to 10000 mm"]);
+    depth_refuses(&bench, "--focal-px 2.8 --baseline-mm 60", &["--focal-px 2.8", "10 to 10000 px"]);
     for value in ["0", "-1", "-0.0", "NaN", "inf", "-inf", "1e-12", "1e300"] {
         depth_refuses(&bench, &format!("--focal-px={value} --baseline-mm 60"), &["--focal-px", "must be"]);
         depth_refuses(&bench, &format!("--focal-px 200 --baseline-mm={value}"), &["--baseline-mm", "must be"]);
@@ -249,6 +252,27 @@ fn an_older_output_survives_a_refusal() {
     bench.write("cut.png", &bench.read("left.png")[..1000]);
     bench.refuses("depth left.png cut.png -o map.pfm -o m.png --picture p.png", &["cut.png"]);
     depth_refuses(&bench, "-o m.png --picture p.png --num-disparities 0", &["--num-disparities"]);
+}
+
+#[test]
+fn texts_without_an_end_or_that_are_none() {
+    let bench = bench_with_scenes();
+    Pair::shifted(WIDTH, HEIGHT, 4).write(&bench);
+    let mut cases = vec![("left.png", "is no text")];
+    if cfg!(target_os = "linux") {
+        cases.push(("/dev/zero", "more than 64 MB"));
+    }
+    for (file, told) in cases {
+        for line in [
+            format!("rig show {file}"),
+            format!("rig import {file} -o rig.toml"),
+            format!("depth left.png right.png --rig {file} -o map.pfm"),
+            format!("record left.png right.png --rig {file} -o out.raw"),
+            format!("eval scenes --baselines {file}"),
+        ] {
+            bench.refuses(&line, &[file, told]);
+        }
+    }
 }
 
 #[test]

@@ -172,7 +172,7 @@ fn the_tables_show_the_same_figures() {
 #[test]
 fn what_the_usual_score_leaves_out_is_scored_apart() {
     let bench = bench_with_scenes();
-    let usual = bench.succeeds("eval scenes --json -").json();
+    let usual = bench.succeeds("eval scenes --json").json();
     let report = bench.succeeds("eval scenes --occluded --left-band --json - -o maps").json();
     assert!(usual["mean"]["occluded"].is_null() && usual["mean"]["left_band"].is_null());
     assert_eq!(report["mean"]["tot2"], usual["mean"]["tot2"]);

@@ -246,8 +246,8 @@ fn what_nothing_pairs_is_refused_with_the_reason() {
     let cases: [(&[&str], &str, &[&str]); 8] = [
         (&["left/a.png", "left/b.png", "right/c.png", "right/d.png"], "", &["nothing tells which belong together"]),
         (&["left/1.png", "left/3.png", "right/2.png", "right/4.png"], "", &["nothing tells which belong together"]),
-        (&["1.png", "2.png"], "", &["tell no cameras", "--layout side-by-side", "--left GLOB"]),
-        (&["000000_10.png", "000000_11.png"], "", &["tell no cameras"]),
+        (&["1.png", "2.png"], "", &["tells a camera", "--layout side-by-side", "--left GLOB"]),
+        (&["000000_10.png", "000000_11.png"], "", &["tells a camera"]),
         (
             &["image_0/1.png", "image_1/1.png", "image_2/1.png", "image_3/1.png"],
             "",
@@ -266,4 +266,6 @@ fn what_nothing_pairs_is_refused_with_the_reason() {
     bench.write("take.avi", "RIFF");
     bench.refuses("play take.avi -o out", &["take.avi", "ffmpeg -i take.avi", "--raw 640x480"]);
     bench.refuses("play - -o out", &["--raw WIDTHxHEIGHT"]);
+    bench.write("left.png", "");
+    bench.refuses("play left.png -o out", &["left.png", "haarline depth LEFT RIGHT"]);
 }

@@ -8,6 +8,7 @@ use image::{DynamicImage, ImageFormat};
 use mcap::records::MessageHeader;
 use mcap::{Compression, WriteOptions};
 
+use crate::corruption::{Random, assert_documented};
 use crate::files::encode;
 use crate::scene::Pair;
 use crate::tool::{Bench, assert_one_error_line};
@@ -155,6 +156,39 @@ fn compressed_images_and_topics_of_any_name_are_read() {
     assert_eq!(bench.read("take.raw").len(), 3 * 2 * SIZE[0] * SIZE[1]);
 }
 
+/// `sensor_msgs/Image` as ROS 1 writes it: packed, little-endian, texts without a zero at their end.
+fn ros1_image(time: u64, view: &DynamicImage) -> Vec<u8> {
+    let number = |number: u32| number.to_le_bytes();
+    let text = |text: &str| [&number(text.len() as u32), text.as_bytes()].concat();
+    let [width, height] = [view.width(), view.height()];
+    let pixels = view.to_luma8().into_raw();
+    let stamp = [number((time / 1_000_000_000) as u32), number((time % 1_000_000_000) as u32)].concat();
+    let header = [&number(7)[..], &stamp, &text("camera")].concat();
+    let layout = [&number(height)[..], &number(width), &text("mono8"), &[0], &number(width)].concat();
+    [header, layout, number(pixels.len() as u32).to_vec(), pixels].concat()
+}
+
+#[test]
+fn recordings_of_ros_1_are_read() {
+    let bench = Bench::new();
+    let file = BufWriter::new(File::create(bench.path("take.mcap")).unwrap());
+    let mut writer = WriteOptions::new().profile("ros1").create(file).unwrap();
+    let schema = writer.add_schema("sensor_msgs/Image", "ros1msg", b"").unwrap();
+    for moment in [0, 1, 2] {
+        for (topic, view) in [("/left/image", pair(moment).left_image()), ("/right/image", pair(moment).right_image())]
+        {
+            let channel_id = writer.add_channel(schema, topic, "ros1", &BTreeMap::new()).unwrap();
+            let log_time = time(moment);
+            let header = MessageHeader { channel_id, sequence: moment as u32, log_time, publish_time: log_time };
+            writer.write_to_known_channel(&header, &ros1_image(log_time, &view)).unwrap();
+        }
+    }
+    writer.finish().unwrap();
+    bench.succeeds(&format!("play take.mcap -o out {SEARCH}"));
+    assert_eq!(played(&bench), [0, 1, 2].map(Some));
+    assert!(bench.path(format!("out/{}.pfm", time(2))).exists(), "named by the left view's time");
+}
+
 #[test]
 fn stamps_that_are_not_set_give_way_to_the_times_of_recording() {
     let bench = Bench::new();
@@ -173,7 +207,11 @@ fn stamps_that_are_not_set_give_way_to_the_times_of_recording() {
 fn what_cannot_be_read_is_told_in_one_line() {
     let bench = Bench::new();
     bench.write("text.mcap", "no recording");
-    bench.refuses("play text.mcap -o out", &["text.mcap", "MCAP"]);
+    bench.refuses("play text.mcap -o out", &["text.mcap", "does not begin as an MCAP file"]);
+    bench.write("short.mcap", b"\x89MCAP0");
+    bench.refuses("play short.mcap -o out", &["short.mcap", "does not begin as an MCAP file"]);
+    bench.write("empty.mcap", "");
+    bench.refuses("play empty.mcap -o out", &["empty.mcap", "is empty"]);
     write(&bench, "imu.mcap", None, &[("/imu", "Imu", 1, vec![0; 8])]);
     bench.refuses("play imu.mcap -o out", &["sensor_msgs/Image", "sensor_msgs/msg/Imu"]);
     let mosaic = views([&[0], &[0]], "mono8")
@@ -212,31 +250,36 @@ fn a_recording_that_is_cut_off_or_damaged_gives_what_is_whole() {
 
 #[test]
 fn no_corruption_gives_a_wrong_row_or_a_fault() {
-    let bench = Bench::new();
-    let mut state = 7_u64;
-    let mut random = |below: usize| {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 33) as usize % below
-    };
-    for compression in [None, Some(Compression::Zstd), Some(Compression::Lz4)] {
+    let mut random = Random::new();
+    for (compression, cases) in [(None, 80), (Some(Compression::Zstd), 60), (Some(Compression::Lz4), 60)] {
+        let bench = Bench::new();
         write(&bench, "take.mcap", compression, &views([&[0, 1, 2], &[0, 1, 2]], "mono8"));
+        let line = |name: &str| format!("play {name}.mcap -o {name} {SEARCH} --write disparity --min-confidence 0");
+        bench.succeeds(&line("take"));
         let whole = bench.read("take.mcap");
-        for _ in 0..70 {
-            let mut bytes = whole.clone();
-            for _ in 0..=random(3) {
-                let at = random(bytes.len());
-                bytes[at] = random(256) as u8;
-            }
-            bench.write("bad.mcap", &bytes);
-            let outcome = bench.run(&format!("play bad.mcap -o out {SEARCH} --write disparity"));
-            assert!((0..=2).contains(&outcome.status), "{outcome:?}");
-            assert!(!outcome.stderr.contains("fault") && !outcome.stderr.contains("panicked"), "{outcome:?}");
+        let mut right = 0;
+        for case in 0..cases {
+            bench.write("bad.mcap", random.corrupt(&whole));
+            let outcome = bench.run(&line("bad"));
+            assert_documented(&outcome, &[0, 1, 2], &format!("{compression:?}, case {case}"));
             if outcome.status == 2 {
                 assert_one_error_line(&outcome.stderr, "bad.mcap");
-            } else if let Ok(table) = fs::read_to_string(bench.path("out/frames.csv")) {
-                assert!(table.lines().count() > 1);
-                assert!(played(&bench).iter().flatten().all(|moment| *moment < 3), "{outcome:?}");
+                continue;
             }
+            for entry in fs::read_dir(bench.path("bad")).unwrap() {
+                let name = entry.unwrap().file_name().into_string().unwrap();
+                if name.ends_with(".pfm") {
+                    let is_right = fs::read(bench.path(format!("take/{name}")))
+                        .is_ok_and(|map| map == bench.read(&format!("bad/{name}")));
+                    assert!(
+                        is_right,
+                        "{compression:?}, case {case}: {name} is not the map of that moment: {outcome:?}"
+                    );
+                    right += 1;
+                }
+            }
+            fs::remove_dir_all(bench.path("bad")).unwrap();
         }
+        assert!(right * 2 > cases, "{compression:?}: {right} right maps of {cases} files");
     }
 }

@@ -71,9 +71,17 @@ fn no_command_replaces_what_it_reads() {
         "twin left.png right.png --rig rig.toml --obstacles rig.toml".to_owned(),
         "twin --recording take -o take/left/a.png".to_owned(),
         "rig new rig.toml".to_owned(),
+        "rig import left.png -o ./left.png --update".to_owned(),
+        // Where the previous description would be kept.
+        "rig import rig.toml.bak -o rig.toml --update".to_owned(),
+        "align take --picture take/left/new.png".to_owned(),
+        "align take --left left/* --right right/* --picture take/right/a.png".to_owned(),
+        "record left.png right.png --rig rig.toml -o rig.toml".to_owned(),
     ];
+    bench.write("rig.toml.bak", "a calibration");
     for line in &cases {
-        refused_for(&bench, line, &["files that are read", "folder of the recording", "is not replaced"]);
+        let reasons = ["files that are read", "folder of the recording", "is not replaced", "lies in the recording"];
+        refused_for(&bench, line, &reasons);
     }
 }
 
@@ -109,6 +117,7 @@ fn no_output_replaces_another_one() {
         "eval scenes --method lite --json out/alcove.pfm -o out",
         "ablate scenes --only alcove --csv t --json t",
         "twin left.png right.png --rig rig.toml -o m --obstacles m",
+        "align take -o p.png --picture ./p.png",
     ];
     for line in cases {
         refused_for(&bench, line, &["is given twice", "a name that -o writes", "would be written twice"]);

@@ -3,7 +3,7 @@
 use std::fs;
 use std::process::{Command, Stdio};
 
-use crate::files::{png16, vertices};
+use crate::files::{Map, png16, vertices};
 use crate::receive::wait_until;
 use crate::scene::Pair;
 use crate::tool::Bench;
@@ -40,6 +40,13 @@ fn each_frame_has_every_kind_of_file_that_depth_writes_with_the_same_content() {
     let known = png16(&bench.read("out/001_depth.png")).into_iter().filter(|&mm| mm > 0).count();
     assert_eq!(vertices(&bench.read("out/001.ply")).len(), known);
     assert_eq!(fs::read_dir(bench.path("out")).unwrap().count(), 2 * endings.len() + 1);
+
+    bench.succeeds(&format!("play take -o filled {options} --fill --write disparity,depth"));
+    bench.succeeds(&format!("depth left.png right.png {options} --fill -o f.pfm --depth-png f_depth.png"));
+    for ending in [".pfm", "_depth.png"] {
+        assert!(bench.read(&format!("filled/001{ending}")) == bench.read(&format!("f{ending}")), "{ending}");
+    }
+    assert_eq!(Map::from_pfm(&bench.read("filled/001.pfm")).density(), 100.0);
 
     bench.succeeds("play take -o some --write confidence,confidence");
     assert_eq!(fs::read_dir(bench.path("some")).unwrap().count(), 3);

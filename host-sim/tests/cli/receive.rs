@@ -16,18 +16,18 @@ use crate::tool::Bench;
 const WIDTH: u16 = 32;
 
 /// A sender of frames of a single row, each of its own disparity.
-struct Sender {
+pub struct Sender {
     encoder: Encoder,
     next: u32,
 }
 
 impl Sender {
-    fn new() -> Self {
+    pub fn new() -> Self {
         Self { encoder: Encoder::new(), next: 0 }
     }
 
     /// The packets of the next frame: pixels of confidence 200, the first 8 of confidence 7.
-    fn frame(&mut self) -> Vec<u8> {
+    pub fn frame(&mut self) -> Vec<u8> {
         let (frame, mut buffer) = (self.next, [0; max_bytes(WIDTH)]);
         let disparity = [Disparity::from_px((frame % 16) as i16); WIDTH as usize];
         let mut confidence = [200; WIDTH as usize];

@@ -194,5 +194,5 @@ fn what_is_missing_wrong_or_of_another_kind_is_named() {
     bench.refuses("rig show left.yaml", &["ROS camera_info", "rig import"]);
     bench.write("rig.toml", OPENCV);
     bench.refuses("rig show rig.toml", &["OpenCV", "rig import"]);
-    bench.refuses("rig import left.yaml left.yaml -o left.yaml", &["is a calibration file"]);
+    bench.refuses("rig import left.yaml left.yaml -o left.yaml", &["one of the files that are read"]);
 }

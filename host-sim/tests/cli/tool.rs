@@ -97,7 +97,7 @@ impl Bench {
             .and_then(std::process::Child::wait_with_output)
             .unwrap();
         Outcome {
-            status: output.status.code().expect("ended by a signal"),
+            status: output.status.code().unwrap_or_else(|| panic!("ended by a signal: {output:?}")),
             stdout: String::from_utf8(output.stdout).expect("stdout is text"),
             stderr: String::from_utf8(output.stderr).expect("stderr is text"),
         }

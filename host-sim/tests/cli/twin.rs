@@ -37,8 +37,9 @@ fn what_cannot_run_is_refused_before_anything_is_built() {
     bench.refuses("twin left.png right.png --obstacles o.csv", &["--rig"]);
     bench.succeeds("rig new rig.toml");
     bench.refuses("twin left.png right.png --rig rig.toml", &["320x240", &format!("{WIDTH}x{HEIGHT}")]);
-    bench.refuses("twin left.png right.png --random 1", &["--random"]);
-    bench.refuses("twin --random x", &["--random", "whole number"]);
+    bench.refuses("twin left.png right.png --random", &["--random"]);
+    bench.refuses("twin --random --seed x", &["--seed", "whole number"]);
+    bench.refuses("twin --random --noise 3", &["--random", "--noise"]);
     bench.refuses("twin left.png", &["RIGHT"]);
     bench.refuses("twin", &["LEFT"]);
 }

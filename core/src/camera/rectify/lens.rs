@@ -1,11 +1,17 @@
 //! Where the pixels of rectified views lie in the views of the cameras: coarse tables, cubic between their nodes.
 
+#![allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_possible_wrap,
+    reason = "a handful of rows, windows of some columns"
+)]
+
+use crate::lanes::lens_runs::{Across, Down, RUN, SEGMENT, advance, copy, mix, mix_run, mix_segment, places};
+
 /// Distance of nodes, px, across and down.
-pub const NODE_PX: usize = 32;
-/// Columns that share a place and weights.
-pub(super) const RUN: usize = 4;
-/// Runs between two nodes.
-const RUNS: usize = NODE_PX / RUN;
+pub const NODE_PX: usize = SEGMENT;
+/// Rows between which places go straight.
+pub(super) const KNOT_ROWS: usize = 8;
 /// Node columns of the widest view.
 pub(super) const MAX_NODE_COLUMNS: usize = node_count(1280);
 
@@ -61,10 +67,13 @@ impl LensTable {
         self.nodes
     }
 
-    /// The places of row `y` at the node columns.
+    /// The places at the node columns of row `y`, of the view or [`KNOT_ROWS`] below it at most.
     pub(super) fn row(&self, y: u32, places: &mut [Place; MAX_NODE_COLUMNS]) {
         let columns = node_count(self.size[0]);
-        let (above, step) = ((y as usize / NODE_PX) * columns, y as usize % NODE_PX);
+        // The last row below the view is the end of the segment above it.
+        let segments = usize::from(self.size[1]).div_ceil(NODE_PX);
+        let segment = (y as usize / NODE_PX).min(segments.saturating_sub(1));
+        let (above, step) = (segment * columns, y as usize - segment * NODE_PX);
         let weights = cubic_q14(step);
         let rows = [0, 1, 2, 3].map(|j| self.nodes.get(above + j * columns..).unwrap_or(&[]));
         let base = i32::try_from(y).unwrap_or(0) << 16;
@@ -86,21 +95,25 @@ impl LensTable {
     /// Where the camera saw the pixel in column `x` and row `y`, 1/65536 px, as [`Rectifier`](super::Rectifier) takes it.
     #[must_use]
     pub fn place_q16(&self, [x, y]: [u16; 2]) -> [i32; 2] {
-        let mut places = [[0; 2]; MAX_NODE_COLUMNS];
-        self.row(y.into(), &mut places);
-        let at = usize::from(x) / NODE_PX;
-        let t = i32::from(x) % 32;
-        [0, 1].map(|k| {
-            let [a, b, c] = quadratic([0, 1, 2, 3].map(|i| places.get(at + i).map_or(0, |place| place[k])));
-            a + ((b * t) >> 5) + ((((c * t) >> 5) * t) >> 5)
-        })
+        let (step, t) = (i32::from(y) % 8, i32::from(x) % 32);
+        let knot = y - y % 8;
+        let [above, below] = [knot, knot + 8].map(|y| {
+            let mut places = [[0; 2]; MAX_NODE_COLUMNS];
+            self.row(y.into(), &mut places);
+            let nodes = segment(&places, usize::from(x) / NODE_PX);
+            [0, 1].map(|k| {
+                let [a, b, c] = quadratic([0, 1, 2, 3].map(|i| nodes[i][k]));
+                a + ((b * t) >> 5) + ((((c * t) >> 5) * t) >> 5)
+            })
+        });
+        [0, 1].map(|k| above[k] + (((below[k] - above[k]) * step) >> 3))
     }
 }
 
-/// Catmull-Rom's weights at so many 32nds between the second and the third node, 1/16384.
+/// Catmull-Rom's weights at so many 32nds from the second to the third node, 1/16384.
 const fn cubic_q14(step: usize) -> [i32; 4] {
-    #[expect(clippy::cast_possible_wrap, clippy::cast_possible_truncation, reason = "below 32")]
-    let t = (step % NODE_PX) as i32;
+    #[expect(clippy::cast_possible_wrap, clippy::cast_possible_truncation, reason = "at most 36")]
+    let t = step as i32;
     let (square, cube) = (t * t, t * t * t);
     let a = (64 * square - 1024 * t - cube) / 4;
     let c = (1024 * t + 128 * square - 3 * cube) / 4;
@@ -114,30 +127,6 @@ const fn quadratic([p0, p1, p2, p3]: [i32; 4]) -> [i32; 3] {
     [p1, p2 - p1 - c, c]
 }
 
-/// Places of the runs of a segment: the first one and its differences.
-#[derive(Clone, Copy)]
-pub(super) struct Steps {
-    pub(super) at: i32,
-    pub(super) step: i32,
-    pub(super) bend: i32,
-}
-
-impl Steps {
-    /// Of a segment's four nodes, in the middle of each run of four columns.
-    #[inline(always)]
-    pub(super) const fn new(nodes: [i32; 4]) -> Self {
-        let [a, b, c] = quadratic(nodes);
-        // At t = 1.5 / 32, 5.5 / 32, ...
-        Self { at: a + ((48 * b + 2 * c) >> 10), step: (32 * b + 7 * c) >> 8, bend: c >> 5 }
-    }
-
-    #[inline(always)]
-    pub(super) const fn advance(&mut self) {
-        self.at += self.step;
-        self.step += self.bend;
-    }
-}
-
 /// The four nodes around a segment.
 #[inline(always)]
 pub(super) fn segment(places: &[Place; MAX_NODE_COLUMNS], index: usize) -> [Place; 4] {
@@ -148,104 +137,254 @@ pub(super) fn segment(places: &[Place; MAX_NODE_COLUMNS], index: usize) -> [Plac
     nodes
 }
 
-/// Least and greatest row of the places of all runs of a row of `width` px, 1/65536 px: bounds that no run exceeds.
-pub(super) fn reach(places: &[Place; MAX_NODE_COLUMNS], width: usize) -> [i32; 2] {
+/// Where the pixels of a segment lie: a parabola across and one down, and how much they move from row to row.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Segment {
+    down: Down,
+    across: Across,
+}
+
+impl Segment {
+    /// Numbers of a segment.
+    pub(super) const LEN: usize = 11;
+
+    /// Of the four nodes around it.
+    fn new(nodes: [Place; 4]) -> Self {
+        /// To the nearest 1/16 px.
+        const HALF: i32 = 1 << 11;
+        let [a, b, c] = quadratic([0, 1, 2, 3].map(|i| nodes[i][0]));
+        // The middles of runs lie at t = 1.5 / 32, 5.5 / 32, ..., their first columns 1.5 px further left.
+        let across = [a + ((48 * b + 2 * c) >> 10) - (3 << 15) + HALF, (32 * b + 11 * c) >> 8, c >> 4, 0, 0];
+        let [a, b, c] = quadratic([0, 1, 2, 3].map(|i| nodes[i][1]));
+        let down = [a + ((48 * b + 2 * c) >> 10) + HALF, (32 * b + 7 * c) >> 8, c >> 5, 0, 0, 0];
+        Self { down, across }
+    }
+
+    const fn unpack(numbers: &[i32; Self::LEN]) -> Self {
+        let [a, b, c, d, e, f, g, h, i, j, k] = *numbers;
+        Self { down: [a, b, c, d, e, f], across: [g, h, i, j, k] }
+    }
+
+    pub(super) const fn pack(&self, numbers: &mut [i32; Self::LEN]) {
+        let Self { down: [a, b, c, d, e, f], across: [g, h, i, j, k] } = *self;
+        *numbers = [a, b, c, d, e, f, g, h, i, j, k];
+    }
+
+    /// Goes on from this row so that after [`KNOT_ROWS`] rows it is `knot`.
+    fn towards(&self, knot: &Self) -> Self {
+        let growth = |from: i32, to: i32| (to - from) >> 3;
+        let ([a, b, c, ..], [d, e, f, ..]) = (self.down, knot.down);
+        let down = [a, b, c, growth(a, d), growth(b, e), growth(c, f)];
+        let ([a, b, ..], [d, e, f, ..]) = (self.across, knot.across);
+        Self { down, across: [a, b, f, growth(a, d), growth(b, e)] }
+    }
+
+    /// Least and greatest place down, 1/65536 px.
+    fn reach(&self) -> [i32; 2] {
+        let [at, step, bend, ..] = self.down;
+        let end = at + 7 * step + 21 * bend;
+        // Between both ends a parabola of seven steps bends away by six of its bends, and the rest is for rounding.
+        let beyond = 7 * bend.abs();
+        [at.min(end) - beyond, at.max(end) + beyond]
+    }
+}
+
+/// Place of the middle of a segment's first run down, 1/65536 px.
+pub(super) const fn first_down(numbers: &[i32; Segment::LEN]) -> i32 {
+    numbers[0]
+}
+
+/// Both parts of a segment's numbers.
+#[inline(always)]
+fn parts(numbers: &mut [i32; Segment::LEN]) -> (&mut Down, &mut Across) {
+    const NONE: &str = "a segment has six numbers down and five across";
+    let (down, across) = numbers.split_at_mut(6);
+    (down.try_into().expect(NONE), across.try_into().expect(NONE))
+}
+
+/// Goes on to the row below where that one was not made.
+pub(super) fn skip(numbers: &mut [i32; Segment::LEN]) {
+    let [a, b, c, d, e, f, g, h, _, j, k] = numbers;
+    for (number, growth) in [(a, d), (b, e), (c, f), (g, j), (h, k)] {
+        *number += *growth;
+    }
+}
+
+/// The segments of a row of one view, and how far down they reach.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Reach {
+    /// Least and greatest place down of all segments of the row, 1/65536 px: bounds that are not exceeded.
+    at: [i32; 2],
+    growth: [i32; 2],
+}
+
+impl Reach {
+    /// Of nothing.
+    pub(super) const NONE: Self = Self { at: [0; 2], growth: [0; 2] };
+
+    /// Of row 0; `packed` takes its segments.
+    pub(super) fn start(table: &LensTable, mut take: impl FnMut(usize, Segment)) -> Self {
+        let at = knot(table, 0, &mut take);
+        Self { at, growth: [0; 2] }
+    }
+
+    /// At a row that [`KNOT_ROWS`] divides: goes on towards the next such row; `take` takes that one's segments.
+    pub(super) fn aim(&mut self, table: &LensTable, y: u32, mut take: impl FnMut(usize, Segment)) {
+        let next = knot(table, y + KNOT_ROWS as u32, &mut take);
+        // The greatest of what goes straight is at most what lies straight between the greatest at both ends.
+        self.growth = [(next[0] - self.at[0]) >> 3, (next[1] - self.at[1] + 7) >> 3];
+    }
+
+    /// The same of the row below.
+    pub(super) const fn advance(&mut self) {
+        self.at = [self.at[0] + self.growth[0], self.at[1] + self.growth[1]];
+    }
+
+    /// First and last row of the camera, of `height` rows, that are needed.
+    pub(super) fn rows(&self, height: u32) -> [u32; 2] {
+        let clamp = |row: i32| u32::try_from(row).unwrap_or(0).min(height.saturating_sub(1));
+        [clamp(self.at[0] >> 16), clamp((self.at[1] >> 16) + 1)]
+    }
+}
+
+/// Hands out the segments of a row by their number; how far down they reach, with some room for rounding.
+fn knot(table: &LensTable, y: u32, take: &mut impl FnMut(usize, Segment)) -> [i32; 2] {
+    // Eight rows of growth rounded down, in a step's and a bend's share of the last run.
+    const ROOM: i32 = 512;
+    let mut places = [[0; 2]; MAX_NODE_COLUMNS];
+    table.row(y, &mut places);
     let mut reach = [i32::MAX, i32::MIN];
-    let segments = width.div_ceil(NODE_PX);
-    for nodes in places.get(..segments + 3).unwrap_or(&[]).windows(4) {
-        let [a, b, c, d] = [nodes[0][1], nodes[1][1], nodes[2][1], nodes[3][1]];
-        // A parabola rises over its ends by a quarter of its square term; the rest is for rounding.
-        let beyond = (((a - b - c + d) >> 4).abs()) + 64;
-        reach = [reach[0].min(b.min(c) - beyond), reach[1].max(b.max(c) + beyond)];
+    for index in 0..usize::from(table.size[0]).div_ceil(NODE_PX) {
+        let found = Segment::new(segment(&places, index));
+        let [least, most] = found.reach();
+        reach = [reach[0].min(least - ROOM), reach[1].max(most + ROOM)];
+        take(index, found);
     }
     reach
 }
 
-/// Makes a row: four columns at a time by one place and one pair of weights of 1/16, from two rows of the camera.
+/// Goes on towards the segment of the next knot.
+pub(super) fn aim(numbers: &mut [i32; Segment::LEN], knot: &Segment) {
+    Segment::unpack(numbers).towards(knot).pack(numbers);
+}
+
+/// Makes a row of the segments in `numbers`, which become those of the row below.
 ///
 /// `row` finds a row of the camera by its number, clamped to those that there are.
 #[inline(always)]
 pub(super) fn render<'a, const WIDTH: usize>(
-    places: &[Place; MAX_NODE_COLUMNS],
+    numbers: &mut [[i32; Segment::LEN]],
     row: impl Fn(i32) -> &'a [u8; WIDTH],
-    width: usize,
+    width: u16,
     out: &mut [u8; WIDTH],
 ) {
-    /// To the nearest 1/16 px.
-    const HALF: i32 = 1 << 11;
-    let limit = u32::try_from(width.min(WIDTH).saturating_sub(RUN + 1)).unwrap_or(0);
-    let mut at = i32::MIN;
-    let (mut above, mut below) = (row(0), row(0));
-    let Some(out) = out.get_mut(..width) else { return };
-    for (index, pixels) in out.chunks_mut(NODE_PX).enumerate() {
-        let nodes = segment(places, index);
-        let mut across = Steps::new([0, 1, 2, 3].map(|i| nodes[i][0]));
-        let mut down = Steps::new([0, 1, 2, 3].map(|i| nodes[i][1]));
-        // From the middle of a run to its first column.
-        across.at += HALF - (3 << 15);
-        down.at += HALF;
-        let (runs, rest) = pixels.as_chunks_mut::<RUN>();
-        debug_assert!(runs.len() <= RUNS, "a segment has so many");
-        for run in runs {
-            if down.at >> 16 != at {
-                at = down.at >> 16;
-                (above, below) = (row(at), row(at + 1));
+    let Some(out) = out.get_mut(..usize::from(width)) else { return };
+    let last = width.saturating_sub(1);
+    // The two rows that the pixels lie between, and the number of the upper one.
+    let (mut rows, mut at) = ([row(0), row(1)], 0);
+    let (whole, part) = out.as_chunks_mut::<SEGMENT>();
+    let mut whole = whole.iter_mut();
+    for numbers in numbers {
+        let (down, across) = parts(numbers);
+        let before = *down;
+        let Some(pixels) = whole.next() else {
+            by_runs(before, *across, &row, width, part);
+            skip(numbers);
+            return;
+        };
+        let (first, weights, differ) = advance(down);
+        if first >> 16 != at {
+            at = first >> 16;
+            rows = [row(at), row(at + 1)];
+        }
+        let (mut switch, mut then) = (0, rows);
+        let mut is_simple = true;
+        if differ != 0 {
+            let places = places(before);
+            let mut changes = 0;
+            for (nth, &place) in (0..).zip(&places) {
+                if place >> 16 != at {
+                    (at, switch) = (place >> 16, nth);
+                    changes += 1;
+                }
             }
-            *run = four(above, below, [across.at, down.at], limit);
-            across.advance();
-            down.advance();
+            is_simple = changes == 1;
+            then = [row(at), row(at + 1)];
         }
-        if !rest.is_empty() {
-            let at = down.at >> 16;
-            let mixed = four(row(at), row(at + 1), [across.at, down.at], limit);
-            rest.iter_mut().zip(mixed).for_each(|(pixel, mixed)| *pixel = mixed);
+        let of_row = *across;
+        let is_made = mix_segment(rows, (switch, then), across, last, weights, pixels);
+        if !is_made && is_simple && beside_border(rows, (switch, then), of_row, last, weights, pixels) {
+            rows = then;
+            continue;
         }
+        if !is_made || !is_simple {
+            by_runs(before, of_row, &row, width, pixels);
+        }
+        rows = then;
     }
 }
 
-/// Four pixels from `place` on; `limit` is the last column from which five can be read.
-#[inline(always)]
-fn four<const WIDTH: usize>(above: &[u8; WIDTH], below: &[u8; WIDTH], place: Place, limit: u32) -> [u8; RUN] {
-    let x = (place[0] >> 16).cast_unsigned();
-    let weights = place.map(|q16| (q16 >> 12 & 15).cast_unsigned());
-    if x <= limit
-        && let (Some(above), Some(below)) = (five(above, x), five(below, x))
-    {
-        return mix(above, below, weights);
-    }
-    let edge = |row: &[u8; WIDTH]| {
-        let last = i64::from(limit) + 4;
-        let first = i64::from(place[0] >> 16);
-        let at = |i: i64| row.get(usize::try_from((first + i).clamp(0, last)).unwrap_or(0)).copied().unwrap_or(0);
-        let four = |first: i64| u32::from_le_bytes([0, 1, 2, 3].map(|i| at(first + i)));
-        [four(0), four(1)]
+/// A segment that reaches beyond the view's borders, which are repeated; whether it reaches no further than it has room for.
+#[inline(never)]
+fn beside_border<const WIDTH: usize>(
+    first: [&[u8; WIDTH]; 2],
+    (switch, then): (u32, [&[u8; WIDTH]; 2]),
+    mut across: Across,
+    last: u16,
+    weights: u32,
+    out: &mut [u8; SEGMENT],
+) -> bool {
+    const ROOM: usize = 48;
+    let from = across[0] >> 16;
+    across[0] &= 0xffff;
+    // Columns of the room that lie before the view, and from which on they lie behind it.
+    let room = |at: i32| usize::try_from(at).unwrap_or(0).min(ROOM);
+    let (before, behind) = (room(-from), room(i32::from(last) + 1 - from));
+    let window = |row: &[u8; WIDTH]| {
+        let row = row.get(..=usize::from(last)).unwrap_or(row);
+        let mut window = [row.first().copied().unwrap_or(0); ROOM];
+        if let Some(part) = window.get_mut(before..behind) {
+            copy(row.get(usize::try_from(from).unwrap_or(0)..).unwrap_or(&[]), part);
+        }
+        if let Some(part) = window.get_mut(behind..) {
+            part.fill(row.last().copied().unwrap_or(0));
+        }
+        window
     };
-    mix(edge(above), edge(below), weights)
+    let first = first.map(window);
+    let then = if switch == 0 { first } else { then.map(window) };
+    mix_segment([&first[0], &first[1]], (switch, [&then[0], &then[1]]), &mut across, ROOM as u16 - 1, weights, out)
 }
 
-/// Columns `x` to `x + 3` and the same one further right.
-#[inline(always)]
-fn five<const WIDTH: usize>(row: &[u8; WIDTH], x: u32) -> Option<[u32; 2]> {
-    let five = row.get(x as usize..)?.first_chunk::<{ RUN + 1 }>()?;
-    let [a, b, c, d, e] = *five;
-    Some([u32::from_le_bytes([a, b, c, d]), u32::from_le_bytes([b, c, d, e])])
+/// Pixels of a segment that reaches beyond the camera's view, of which only a part is wanted, or that lies between many rows.
+#[inline(never)]
+fn by_runs<'a, const WIDTH: usize>(
+    down: Down,
+    [mut at, mut step, bend, ..]: Across,
+    row: &impl Fn(i32) -> &'a [u8; WIDTH],
+    width: u16,
+    out: &mut [u8],
+) {
+    for (nth, (run, place)) in out.chunks_mut(RUN).zip(places(down)).enumerate() {
+        let [above, below] = [0, 1].map(|k| row((place >> 16) + k).get(..usize::from(width)).unwrap_or(&[]));
+        let down = place.cast_unsigned() >> 12 & 15;
+        let mixed = mix_run(above, below, at, down)
+            .unwrap_or_else(|| mix(at_border(above, at), at_border(below, at), [at.cast_unsigned() >> 12 & 15, down]));
+        run.iter_mut().zip(mixed).for_each(|(pixel, mixed)| *pixel = mixed);
+        at += step;
+        step += if nth % 2 == 1 { bend } else { 0 };
+    }
 }
 
-/// Four pixels between two rows and between columns, two in the lanes of a word at once.
-#[inline(always)]
-const fn mix(above: [u32; 2], below: [u32; 2], [across, down]: [u32; 2]) -> [u8; RUN] {
-    const LANES: u32 = 0x00FF_00FF;
-    const HALF: u32 = 0x0080_0080;
-    let up = 16 - down;
-    // Columns 0 and 2, 1 and 3, 2 and 4; at most 255 * 16 in a lane.
-    let first = (above[0] & LANES) * up + (below[0] & LANES) * down;
-    let second = (above[0] >> 8 & LANES) * up + (below[0] >> 8 & LANES) * down;
-    let third = (above[1] >> 8 & LANES) * up + (below[1] >> 8 & LANES) * down;
-    // At most 255 * 256 + 128, below 2^16.
-    let back = 16 - across;
-    let even = first * back + second * across + HALF;
-    let odd = second * back + third * across + HALF;
-    (even >> 8 & LANES | odd & !LANES).to_le_bytes()
+/// Four pixels from a place on and the same one further right, the row's borders repeated.
+#[inline(never)]
+fn at_border(row: &[u8], place: i32) -> [u32; 2] {
+    let at = |i: i32| {
+        let x = usize::try_from((place >> 16) + i).unwrap_or(0).min(row.len().saturating_sub(1));
+        row.get(x).copied().unwrap_or(0)
+    };
+    let four = |first: i32| u32::from_le_bytes([0, 1, 2, 3].map(|i| at(first + i)));
+    [four(0), four(1)]
 }
 
 #[cfg(test)]
@@ -262,34 +401,62 @@ mod tests {
     }
 
     #[test]
-    fn steps_follow_the_parabola() {
+    fn runs_follow_the_parabola() {
         let nodes = [0, 30 << 16, 61 << 16, 93 << 16];
         let [a, b, c] = quadratic(nodes);
-        let mut steps = Steps::new(nodes);
-        for run in 0..8 {
-            let t = (1.5 + 4.0 * f64::from(run)) / 32.0;
-            let wanted = f64::from(a) + f64::from(b) * t + f64::from(c) * t * t;
-            assert!((f64::from(steps.at) - wanted).abs() < 40.0, "{run}: {} {wanted}", steps.at);
-            steps.advance();
+        let segment = Segment::new(nodes.map(|node| [node; 2]));
+        let ([mut x, mut step, bend, ..], downs) = (segment.across, places(segment.down));
+        for (run, y) in (0..8).zip(downs) {
+            let t = (4.0 * f64::from(run) + 1.5) / 32.0;
+            let place = f64::from(a) + f64::from(b) * t + f64::from(c) * t * t + 2048.0;
+            assert!((f64::from(y) - place).abs() < 200.0, "{run}: {y} {place}");
+            assert!((f64::from(x) - place + 1.5 * 65_536.0).abs() < 2000.0, "{run}: {x} {place}");
+            x += step;
+            step += if run % 2 == 1 { bend } else { 0 };
         }
     }
 
     #[test]
-    fn pixels_are_mixed_bilinearly() {
+    fn borders_are_repeated() {
         let (above, below) = ([10, 20, 40, 80, 160, 7, 7, 7], [110, 120, 140, 180, 255, 7, 7, 7]);
-        for (across, down) in [(0, 0), (8, 0), (0, 8), (5, 11), (15, 15)] {
-            let found = four(&above, &below, [across << 12, down << 12], 3);
-            for (i, &found) in found.iter().enumerate() {
-                let row = |row: &[u8; 8]| {
-                    f64::from(row[i]) + (f64::from(row[i + 1]) - f64::from(row[i])) * f64::from(across) / 16.0
-                };
-                let wanted = row(&above) + (row(&below) - row(&above)) * f64::from(down) / 16.0;
-                assert!((f64::from(found) - wanted).abs() <= 0.5, "{i}: {found} {wanted}");
+        let mixed =
+            |at: i32, down| mix(at_border(&above, at), at_border(&below, at), [at.cast_unsigned() >> 12 & 15, down]);
+        assert_eq!(mixed(-(2 << 16), 0), [10, 10, 10, 20]);
+        assert_eq!(mixed(6 << 16, 0), [7; 4]);
+        assert_eq!(mixed(1 << 15, 8), [65, 80, 110, 169]);
+    }
+
+    #[test]
+    fn between_knots_nothing_reaches_beyond_the_bounds() {
+        const BENT: [[i16; 2]; 6 * 6] = {
+            let mut nodes = [[0; 2]; 36];
+            let mut i = 0;
+            while i < 36 {
+                nodes[i][1] = (i * i * 7 % 401) as i16 - 200;
+                i += 1;
             }
+            nodes
+        };
+        let table = LensTable::new([96, 96], &BENT).unwrap();
+        let mut numbers = [[0; Segment::LEN]; 3];
+        let mut reach = Reach::start(&table, |i, segment| segment.pack(&mut numbers[i]));
+        for y in 0..96 {
+            if y % 8 == 0 {
+                reach.aim(&table, y, |i, segment| aim(&mut numbers[i], &segment));
+            }
+            for (i, numbers) in numbers.iter_mut().enumerate() {
+                let segment = Segment::unpack(numbers);
+                let [least, most] = segment.reach();
+                assert!(reach.at[0] <= least && reach.at[1] >= most, "{y}: {:?} {least} {most}", reach.at);
+                let x = 32 * u16::try_from(i).unwrap() + 2;
+                let place =
+                    [x - 1, x].map(|x| table.place_q16([x, u16::try_from(y).unwrap()])[1]).iter().sum::<i32>() / 2;
+                let found = segment.down[0] - 2048;
+                assert!((place - found).abs() < 400, "{x}, {y}: {place} {found}");
+                skip(numbers);
+            }
+            reach.advance();
         }
-        // Beyond the borders these repeat.
-        assert_eq!(four(&above, &below, [-(2 << 16), 0], 3), [10, 10, 10, 20]);
-        assert_eq!(four(&above, &below, [6 << 16, 0], 3), [7; 4]);
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Rows by lens tables: when each can come out, and how it is made.
 
-use super::lens::{LensTable, MAX_NODE_COLUMNS, NODE_PX, reach, render};
+use super::lens::{KNOT_ROWS, LensTable, NODE_PX, Reach, Segment, aim, first_down, render, skip};
 use super::ring::Ring;
 use super::stage::floor;
 use super::{RectifiedRow, Rectifier};
@@ -17,29 +17,26 @@ pub(super) struct Schedule {
 
 impl Schedule {
     pub(super) fn of(lenses: &[LensTable; 2]) -> Self {
-        let [width, height] = lenses[0].size();
+        let height = u32::from(lenses[0].size()[1]);
         let mut schedule = Self { rows: [1; 2], waits: 0 };
         let mut ready = 0;
-        let mut places = [[0; 2]; MAX_NODE_COLUMNS];
-        for y in 0..u32::from(height) {
-            let rows = [0, 1].map(|view: usize| {
-                lenses[view].row(y, &mut places);
-                rows_of(reach(&places, width.into()), height.into())
-            });
+        let mut reaches = lenses.each_ref().map(|table| Reach::start(table, |_, _| ()));
+        for y in 0..height {
+            if (y as usize).is_multiple_of(KNOT_ROWS) {
+                for (reach, table) in reaches.iter_mut().zip(lenses) {
+                    reach.aim(table, y, |_, _| ());
+                }
+            }
+            let rows = reaches.map(|reach| reach.rows(height));
             ready = ready.max(rows[0][1] + 1).max(rows[1][1] + 1);
             for (len, rows) in schedule.rows.iter_mut().zip(rows) {
                 *len = (*len).max((ready - rows[0]) as usize);
             }
             schedule.waits = schedule.waits.max(ready.saturating_sub(y + 1) as usize);
+            reaches.iter_mut().for_each(Reach::advance);
         }
         schedule
     }
-}
-
-/// First and last row of the camera, of `height` rows, that places between these need.
-fn rows_of(reach: [i32; 2], height: u32) -> [u32; 2] {
-    let clamp = |row: i32| u32::try_from(row).unwrap_or(0).min(height.saturating_sub(1));
-    [clamp(floor(reach[0])), clamp(floor(reach[1]) + 1)]
 }
 
 impl<const ROWS: usize, const WIDTH: usize> Rectifier<ROWS, WIDTH> {
@@ -47,27 +44,38 @@ impl<const ROWS: usize, const WIDTH: usize> Rectifier<ROWS, WIDTH> {
 
     pub(super) fn start_lenses(&mut self) {
         self.next = 0;
-        self.place_next();
-    }
-
-    /// Finds the places of the next row.
-    fn place_next(&mut self) {
-        let Self { lenses: Some(lenses), places, next, .. } = self else { return };
-        for (table, places) in lenses.iter().zip(places) {
-            table.row(*next, places);
+        let Self { lenses: Some(lenses), segments, reaches, size, .. } = self else { return };
+        for (view, (table, reach)) in lenses.iter().zip(reaches).enumerate() {
+            let numbers = segments_of(segments, size[0], view);
+            *reach = Reach::start(table, |index, segment| {
+                if let Some(numbers) = numbers.get_mut(index) {
+                    segment.pack(numbers);
+                }
+            });
         }
+        self.aim_next();
     }
 
-    /// First and last row of each view that the next row needs.
-    fn needed(&self) -> [[u32; 2]; 2] {
-        let [width, height] = self.size;
-        [0, 1].map(|view: usize| rows_of(reach(&self.places[view], width.into()), height.into()))
+    /// Finds where the next row lies, once in [`KNOT_ROWS`] rows.
+    fn aim_next(&mut self) {
+        let Self { lenses: Some(lenses), segments, reaches, next, size, needed, .. } = self else { return };
+        if (*next as usize).is_multiple_of(KNOT_ROWS) && *next < u32::from(size[1]) {
+            for (view, (table, reach)) in lenses.iter().zip(&mut *reaches).enumerate() {
+                let numbers = segments_of(segments, size[0], view);
+                reach.aim(table, *next, |index, segment| {
+                    if let Some(numbers) = numbers.get_mut(index) {
+                        aim(numbers, &segment);
+                    }
+                });
+            }
+        }
+        *needed = reaches.map(|reach| reach.rows(size[1].into()));
     }
 
     pub(super) fn advance_lenses(&mut self, sink: &mut dyn FnMut(RectifiedRow<'_>)) {
         let height = u32::from(self.size[1]);
         while self.next < height {
-            let needed = self.needed();
+            let needed = self.needed;
             if needed.iter().any(|rows| rows[1] >= self.came) {
                 return;
             }
@@ -84,33 +92,37 @@ impl<const ROWS: usize, const WIDTH: usize> Rectifier<ROWS, WIDTH> {
     pub(super) fn finish_lenses(&mut self, sink: &mut dyn FnMut(RectifiedRow<'_>)) {
         let last = self.came.saturating_sub(1);
         while self.next < self.came {
-            let needed = self.needed().map(|rows| rows.map(|row| row.min(last)));
+            let needed = self.needed.map(|rows| rows.map(|row| row.min(last)));
             self.emit_by_lenses(needed, sink);
         }
     }
 
     fn emit_by_lenses(&mut self, needed: [[u32; 2]; 2], sink: &mut dyn FnMut(RectifiedRow<'_>)) {
         let (width, y) = (usize::from(self.size[0]), self.next);
-        let middle = 1 + width / 2 / NODE_PX;
-        let nearest = |view: usize| {
-            let row = floor(self.places[view].get(middle).map_or(0, |place| place[1]) + (1 << 15));
-            u32::try_from(row).ok().filter(|&row| row < self.came)
-        };
-        let nearest = [nearest(0), nearest(1)];
+        let middle = width / 2 / NODE_PX;
+        let nearest = [0, 1].map(|view| {
+            let numbers = segments_of(&mut self.segments, self.size[0], view);
+            let place = numbers.get(middle).map_or(0, first_down);
+            u32::try_from(floor(place + (1 << 15))).ok().filter(|&row| row < self.came)
+        });
         let has = |ring: &Ring, [first, last]: [u32; 2]| !self.is_damaged || (first..=last).all(|row| ring.has(row));
         let is_whole = has(&self.left, needed[0]) && has(&self.right, needed[1]);
         let has_pair = is_whole && nearest.iter().all(Option::is_some);
-        if has_pair {
-            let last = i32::try_from(self.came).unwrap_or(i32::MAX) - 1;
-            let (rows, rings) = (&self.rows, [&self.left, &self.right]);
-            for ((places, ring), out) in self.places.iter().zip(rings).zip(&mut self.out) {
-                let row = |row: i32| {
-                    let y = u32::try_from(row.min(last)).unwrap_or(0);
-                    rows.get(ring.first + ring.place(y)).unwrap_or(&Self::BLANK)
-                };
-                render(places, row, width, out);
+        let last = i32::try_from(self.came).unwrap_or(i32::MAX) - 1;
+        let (rows, rings) = (&self.rows, [&self.left, &self.right]);
+        for (view, (ring, out)) in rings.into_iter().zip(&mut self.out).enumerate() {
+            let numbers = segments_of(&mut self.segments, self.size[0], view);
+            if !has_pair {
+                numbers.iter_mut().for_each(skip);
+                continue;
             }
+            let row = |row: i32| {
+                let y = u32::try_from(row.min(last)).unwrap_or(0);
+                rows.get(ring.first + ring.place(y)).unwrap_or(&Self::BLANK)
+            };
+            render(numbers, row, self.size[0], out);
         }
+        self.reaches.iter_mut().for_each(Reach::advance);
         let raw = match nearest {
             [Some(left), Some(right)] if self.left.has(left) && self.right.has(right) => Some(ScanlinePair {
                 left: self.left.row(&self.rows, left, width),
@@ -121,8 +133,20 @@ impl<const ROWS: usize, const WIDTH: usize> Rectifier<ROWS, WIDTH> {
         let [left, right] = self.out.each_ref().map(|row| row.get(..width).unwrap_or(&[]));
         sink(RectifiedRow { y, pair: has_pair.then_some(ScanlinePair { left, right }), raw });
         self.next += 1;
-        self.place_next();
+        self.aim_next();
     }
+}
+
+/// The segments of a view, the left one is view 0.
+#[inline(always)]
+fn segments_of(numbers: &mut [i32], width: u16, view: usize) -> &mut [[i32; Segment::LEN]] {
+    let count = usize::from(width).div_ceil(NODE_PX);
+    numbers.as_chunks_mut().0.get_mut(view * count..(view + 1) * count).unwrap_or(&mut [])
+}
+
+/// Columns that a view's width needs of the capacity, so that its segments have room.
+pub(super) const fn columns_needed(width: u16) -> usize {
+    2 * Segment::LEN * (width as usize).div_ceil(NODE_PX)
 }
 
 #[cfg(test)]

@@ -2,7 +2,10 @@
 
 use super::{Offset, Rectification, RectifiedRow, Rectifier};
 use crate::frame_figures::{FrameFigures, Input};
-use crate::{Config, ConfigError, Correction, Disparity, DisparityRow, RowError, ScanlinePair, StereoMethod};
+use crate::{
+    Config, ConfigError, Correction, Disparity, DisparityRow, RowError, ScanlinePair, Stage, StageClock, StereoMethod,
+    Untimed,
+};
 
 /// A stereo method behind a rig's rectification: takes the rows as they come, hands on rectified ones, corrects the
 /// disparities.
@@ -10,8 +13,9 @@ use crate::{Config, ConfigError, Correction, Disparity, DisparityRow, RowError, 
 /// As [`Rectifier`] with the capacities `ROWS` and `WIDTH`. Rows that are missed there are missed by the method: their
 /// disparities come out unknown. A rig without displacement costs nothing: its rows are handed on as they are.
 #[derive(Debug, Clone)]
-pub struct Rectified<M, const ROWS: usize, const WIDTH: usize> {
+pub struct Rectified<M, const ROWS: usize, const WIDTH: usize, C = Untimed> {
     method: M,
+    clock: C,
     /// `None` where nothing is displaced.
     rectifier: Option<Rectifier<ROWS, WIDTH>>,
     /// Whether the views differ in a row of this frame, before they are rectified.
@@ -28,6 +32,16 @@ impl<M: StereoMethod, const ROWS: usize, const WIDTH: usize> Rectified<M, ROWS, 
     /// # Errors
     /// As [`Rectifier::new`].
     pub fn new(method: M, height: u16, rectification: Rectification) -> Result<Self, ConfigError> {
+        Self::timed(method, height, rectification, Untimed)
+    }
+}
+
+impl<M: StereoMethod, const ROWS: usize, const WIDTH: usize, C: StageClock> Rectified<M, ROWS, WIDTH, C> {
+    /// The same with a clock that is told when rectification begins; the method tells its own stages.
+    ///
+    /// # Errors
+    /// As [`Rectifier::new`].
+    pub fn timed(method: M, height: u16, rectification: Rectification, clock: C) -> Result<Self, ConfigError> {
         if usize::from(method.config().width) > WIDTH {
             return Err(ConfigError::Capacity { max_width: u16::try_from(WIDTH).unwrap_or(u16::MAX) });
         }
@@ -38,7 +52,7 @@ impl<M: StereoMethod, const ROWS: usize, const WIDTH: usize> Rectified<M, ROWS, 
         let correction = rectification.correction.map(|correction| correction.of_size(size));
         let rectifier = if rectification.is_straight() { None } else { Some(Rectifier::new(size, rectification)?) };
         let corrected = [Disparity::UNKNOWN; WIDTH];
-        Ok(Self { method, rectifier, differ: false, were_same: false, correction, corrected })
+        Ok(Self { method, clock, rectifier, differ: false, were_same: false, correction, corrected })
     }
 
     /// The method behind.
@@ -69,7 +83,9 @@ fn hand_on<M: StereoMethod>(
     }
 }
 
-impl<M: StereoMethod, const ROWS: usize, const WIDTH: usize> StereoMethod for Rectified<M, ROWS, WIDTH> {
+impl<M: StereoMethod, const ROWS: usize, const WIDTH: usize, C: StageClock> StereoMethod
+    for Rectified<M, ROWS, WIDTH, C>
+{
     fn config(&self) -> &Config {
         self.method.config()
     }
@@ -81,32 +97,40 @@ impl<M: StereoMethod, const ROWS: usize, const WIDTH: usize> StereoMethod for Re
     }
 
     fn push(&mut self, pair: ScanlinePair<'_>, sink: &mut dyn FnMut(DisparityRow<'_>)) -> Result<(), RowError> {
-        let Self { method, rectifier, differ, correction, corrected, .. } = self;
+        let Self { method, clock, rectifier, differ, correction, corrected, .. } = self;
         let sink = &mut |row: DisparityRow<'_>| correct(*correction, corrected, &row, sink);
         let Some(rectifier) = rectifier else { return method.push(pair, sink) };
+        clock.enter(Stage::Rectify);
         *differ = *differ || pair.left != pair.right;
         let mut outcome = Ok(());
-        rectifier.push(pair, &mut |row| outcome = hand_on(method, &row, sink))?;
+        rectifier.push(pair, &mut |row| {
+            outcome = hand_on(method, &row, sink);
+            clock.enter(Stage::Rectify);
+        })?;
         outcome
     }
 
     fn miss(&mut self, sink: &mut dyn FnMut(DisparityRow<'_>)) {
-        let Self { method, rectifier, correction, corrected, .. } = self;
+        let Self { method, clock, rectifier, correction, corrected, .. } = self;
         let sink = &mut |row: DisparityRow<'_>| correct(*correction, corrected, &row, sink);
         let Some(rectifier) = rectifier else { return method.miss(sink) };
+        clock.enter(Stage::Rectify);
         // Its width is the method's.
         rectifier.miss(&mut |row| {
             let _ = hand_on(method, &row, sink);
+            clock.enter(Stage::Rectify);
         });
     }
 
     fn finish(&mut self, sink: &mut dyn FnMut(DisparityRow<'_>)) {
-        let Self { method, rectifier, differ, were_same, correction, corrected } = self;
+        let Self { method, clock, rectifier, differ, were_same, correction, corrected } = self;
         let sink = &mut |row: DisparityRow<'_>| correct(*correction, corrected, &row, sink);
         if let Some(rectifier) = rectifier {
             *were_same = !core::mem::take(differ);
+            clock.enter(Stage::Rectify);
             rectifier.finish(&mut |row| {
                 let _ = hand_on(method, &row, sink);
+                clock.enter(Stage::Rectify);
             });
         }
         method.finish(sink);

@@ -1,9 +1,10 @@
 //! The stage: rows as they come in, rectified pairs out, a bounded ring of rows in between.
 
-use super::lens::{MAX_NODE_COLUMNS, Place};
-use super::lens_rows::Schedule;
+use super::lens::Reach;
+use super::lens_rows::{Schedule, columns_needed};
 use super::ring::Ring;
 use super::{LensTable, Offset, Ramp, Rectification};
+use crate::lanes::lens_runs::copy;
 use crate::{ConfigError, RowError, ScanlinePair};
 
 /// Fraction bits of a place.
@@ -69,9 +70,12 @@ pub struct Rectifier<const ROWS: usize, const WIDTH: usize> {
     pub(super) came: u32,
     /// Whether one of them was missed.
     pub(super) is_damaged: bool,
-    /// Of lens tables the next row to come out, and its places in both views.
+    /// Of lens tables the next row to come out, where its segments lie in both views, and how far down they reach.
     pub(super) next: u32,
-    pub(super) places: [[Place; MAX_NODE_COLUMNS]; 2],
+    pub(super) segments: [i32; WIDTH],
+    pub(super) reaches: [Reach; 2],
+    /// First and last row of each view that the next row needs.
+    pub(super) needed: [[u32; 2]; 2],
 }
 
 /// Whole rows that a place in 1/65536 px reaches to.
@@ -103,6 +107,9 @@ impl<const ROWS: usize, const WIDTH: usize> Rectifier<ROWS, WIDTH> {
         if lenses.is_some_and(|lenses| lenses.iter().any(|table| table.size() != size)) {
             return Err(ConfigError::LensSize);
         }
+        if lenses.is_some() && columns_needed(size[0]) > WIDTH {
+            return Err(ConfigError::Capacity { max_width: u16::try_from(WIDTH / 22 * 32).unwrap_or(u16::MAX) });
+        }
         let ([left, right], waits) = match &lenses {
             Some(lenses) => {
                 let schedule = Schedule::of(lenses);
@@ -130,7 +137,9 @@ impl<const ROWS: usize, const WIDTH: usize> Rectifier<ROWS, WIDTH> {
             came: 0,
             is_damaged: false,
             next: 0,
-            places: [[[0; 2]; MAX_NODE_COLUMNS]; 2],
+            segments: [0; WIDTH],
+            reaches: [Reach::NONE; 2],
+            needed: [[0; 2]; 2],
         };
         rectifier.start();
         Ok(rectifier)
@@ -160,7 +169,7 @@ impl<const ROWS: usize, const WIDTH: usize> Rectifier<ROWS, WIDTH> {
             ring.set(self.came, true);
             let place = self.rows.get_mut(ring.first + ring.place(self.came));
             if let Some(place) = place.and_then(|place| place.get_mut(..row.len())) {
-                place.copy_from_slice(row);
+                copy(row, place);
             }
         }
         self.advance(sink);

@@ -3,7 +3,8 @@
 //! Works on disparity rows as they come out of a method, and keeps nothing but one row of blocks. Of each
 //! 4x4 block one pixel is looked at. It counts if it is certain enough and lies within a band of heights
 //! over the ground, so that the ground itself does not count; and it is believed if blocks that adjoin it
-//! agree, so that single wrong ones are not. Where nothing is believed the answer is unknown. That a sector is free
+//! agree, so that single wrong ones are not. Where nothing is believed the answer is unknown; so it is where many doubtful
+//! ones adjoin and agree that something is nearer ([`Settings::doubtful_blocks`]). That a sector is free
 //! is told only if it is asked for, and only of one that is measured nearly all over ([`Obstacles::free`]).
 //!
 //! ```
@@ -32,10 +33,12 @@ use crate::method::capacity::blocks_for;
 use crate::{DisparityRow, Rig};
 
 mod chain;
+mod doubt;
 mod free;
 mod lane;
 
 use chain::Chain;
+use doubt::{Doubt, Gap, Weighing};
 use free::Clearance;
 use lane::{Camera, Directions, Lane};
 
@@ -125,6 +128,11 @@ pub struct Settings {
     pub doubt: u8,
     /// Least confidence of a block.
     pub min_confidence: u8,
+    /// So many blocks in a chain of measured answers, sure or not, may be something. Where that is nearer by a quarter than
+    /// what is sure, in two rows of blocks and in more than three for each five in which something is sure, the sector is
+    /// unknown, and so are those of the blocks beside it that are not sure: so that a dark or blank thing is not told as far
+    /// as the wall behind it. 0: never.
+    pub doubtful_blocks: u8,
     /// From this distance over the ground on, mm, a sector in which nothing is in the way may be told to be free
     /// ([`Obstacles::free`]); 0: never.
     pub free_beyond_mm: u32,
@@ -138,9 +146,15 @@ impl Settings {
     /// anything else is to be seen. The outline of a thing without texture is made of these.
     pub const FRINGE: u8 = 56;
 
-    /// Five sure blocks within 1 px, half a pixel of doubt.
-    pub const DEFAULT: Self =
-        Self { agreeing_blocks: 5, tolerance: 16, doubt: 8, min_confidence: Self::SURE, free_beyond_mm: 0 };
+    /// Five sure blocks within 1 px, half a pixel of doubt; five doubtful ones.
+    pub const DEFAULT: Self = Self {
+        agreeing_blocks: 5,
+        tolerance: 16,
+        doubt: 8,
+        min_confidence: Self::SURE,
+        doubtful_blocks: 5,
+        free_beyond_mm: 0,
+    };
 }
 
 impl Settings {
@@ -209,7 +223,10 @@ pub struct Obstacles<const SECTORS: usize, const BLOCKS: usize> {
     settings: Settings,
     /// The block row looked at last.
     chains: [Chain; BLOCKS],
+    doubts: [Doubt; BLOCKS],
     nearest_mm: [u32; SECTORS],
+    /// What may be nearer.
+    weighings: [Weighing; SECTORS],
     clearance: [Clearance; SECTORS],
 }
 
@@ -240,14 +257,22 @@ impl<const SECTORS: usize, const BLOCKS: usize> Obstacles<SECTORS, BLOCKS> {
             return Err(ObstacleError::Sectors);
         }
         let camera = Camera::new(size, rig, mounting)?;
-        let (chains, nearest_mm) = ([Chain::NONE; BLOCKS], [UNKNOWN_MM; SECTORS]);
-        Ok(Self { camera, sectors, settings, chains, nearest_mm, clearance: [Clearance::NONE; SECTORS] })
+        Ok(Self {
+            camera,
+            sectors,
+            settings,
+            chains: [Chain::NONE; BLOCKS],
+            doubts: [Doubt::NONE; BLOCKS],
+            nearest_mm: [UNKNOWN_MM; SECTORS],
+            weighings: [Weighing::NONE; SECTORS],
+            clearance: [Clearance::NONE; SECTORS],
+        })
     }
 
     /// Begins a frame. The first row of one does the same.
     pub fn start(&mut self) {
-        self.chains = [Chain::NONE; BLOCKS];
-        self.nearest_mm = [UNKNOWN_MM; SECTORS];
+        (self.chains, self.doubts) = ([Chain::NONE; BLOCKS], [Doubt::NONE; BLOCKS]);
+        (self.nearest_mm, self.weighings) = ([UNKNOWN_MM; SECTORS], [Weighing::NONE; SECTORS]);
         self.clearance = [Clearance::NONE; SECTORS];
     }
 
@@ -266,7 +291,7 @@ impl<const SECTORS: usize, const BLOCKS: usize> Obstacles<SECTORS, BLOCKS> {
                     self.clear(&lane, row);
                 }
             }
-            None => self.chains = [Chain::NONE; BLOCKS],
+            None => (self.chains, self.doubts) = ([Chain::NONE; BLOCKS], [Doubt::NONE; BLOCKS]),
         }
     }
 
@@ -287,62 +312,112 @@ impl<const SECTORS: usize, const BLOCKS: usize> Obstacles<SECTORS, BLOCKS> {
     /// Distance over the ground to the nearest obstacle of each sector, mm, rounded down; `None` is unknown. Whole once the
     /// last row of the frame is in.
     pub fn nearest_mm(&self) -> impl Iterator<Item = Option<u32>> {
-        let used = self.nearest_mm.iter().take(self.sectors.count);
-        used.map(|&mm| (mm != UNKNOWN_MM).then_some(mm))
+        let used = self.nearest_mm.iter().zip(&self.weighings).take(self.sectors.count);
+        used.map(|(&mm, weighing)| (mm != UNKNOWN_MM && !weighing.is_in_doubt(mm)).then_some(mm))
     }
 
-    /// Whether each sector is measured and free up to [`Settings::free_beyond_mm`]: nothing was found in it,
+    /// Whether each sector is measured and free up to [`Settings::free_beyond_mm`]: nothing was found in it, nor may be there,
     /// of the samples whose ray runs within the band of heights at that distance 80 percent are sure and lie beyond,
     /// and of those whose ray crosses the band before, 80 percent are sure, too (and see the ground, or what is
     /// above the band). Whole once the last row of the frame is in; never true where that distance is 0.
     pub fn free(&self) -> impl Iterator<Item = bool> {
-        let used = self.nearest_mm.iter().zip(&self.clearance).take(self.sectors.count);
         let limit = self.settings.free_beyond_mm;
-        used.map(move |(&mm, clearance)| mm >= limit && clearance.is_free())
+        let used = self.nearest_mm.iter().zip(&self.weighings).zip(&self.clearance).take(self.sectors.count);
+        used.map(move |((&mm, weighing), clearance)| mm >= limit && !weighing.is_in_doubt(limit) && clearance.is_free())
     }
 
     /// Extends the chains by a row of blocks, and reports those that are believed.
     fn look(&mut self, lane: &Lane, row: &DisparityRow<'_>) {
         let samples = row.disparity.iter().zip(row.confidence).take(self.camera.width());
-        let mut samples = samples.skip(Self::SAMPLE).step_by(SIZE);
+        let mut samples = samples.skip(Self::SAMPLE).step_by(SIZE).peekable();
         let mut directions = Directions::new(lane);
         let (mut left, mut above_left) = (Chain::NONE, Chain::NONE);
+        let (mut doubt_left, mut doubt_above_left) = (Doubt::NONE, Doubt::NONE);
+        let (mut gap, mut doubtful) = (None, [0; SECTORS]);
         let mut report = Report { sector: None, bits: 0 };
+        let Settings { tolerance, doubtful_blocks, .. } = self.settings;
         let least_weight = self.settings.agreeing_blocks.max(2).saturating_mul(Settings::SURE_WEIGHT);
         for index in 0..BLOCKS {
             let Some((disparity, &confidence)) = samples.next() else { break };
-            let above = self.chains.get(index).copied().unwrap_or(Chain::NONE);
-            let above_right = self.chains.get(index + 1).copied().unwrap_or(Chain::NONE);
+            // At the border of the view a block is made of one side only: in noise it is wrong by more.
+            let confidence = if index == 0 || samples.peek().is_none() { 0 } else { confidence };
             let disparity = self.camera.rig().without_doffs(*disparity);
+            let bits = disparity.known().filter(|&bits| lane.holds(bits));
             let weight = self.settings.weight(confidence);
-            let bits = disparity.known().filter(|&bits| weight > 0 && lane.holds(bits));
-            let chain = bits.map_or(Chain::NONE, |bits| {
-                Chain::grow(bits, weight, left, [above_left, above, above_right], self.settings.tolerance)
-            });
+            let above = around(&self.chains, index, above_left, Chain::NONE);
+            let chain = bits
+                .filter(|_| weight > 0)
+                .map_or(Chain::NONE, |bits| Chain::grow(bits, weight, left, above, tolerance));
+            let is_believed = chain.is_believed(least_weight);
+            if doubtful_blocks > 0 {
+                let above = around(&self.doubts, index, doubt_above_left, Doubt::NONE);
+                let measured = bits.filter(|_| Doubt::is_measured(confidence));
+                let (doubt, reached) = measured.map_or((Doubt::NONE, None), |bits| {
+                    Doubt::grow(bits, doubt_left, above, tolerance, doubtful_blocks)
+                });
+                (doubt_left, doubt_above_left) = (doubt, above[1]);
+                if let Some(slot) = self.doubts.get_mut(index) {
+                    *slot = doubt;
+                }
+                let (is_sure, bits) = (confidence >= self.settings.min_confidence, reached.unwrap_or(0));
+                if let Some(gap) = Gap::next(&mut gap, index, is_sure, bits) {
+                    self.doubt(lane, gap, index, &mut doubtful);
+                }
+                if is_sure && bits > 0 && !is_believed {
+                    self.doubt(lane, Gap { first: index, bits }, index + 1, &mut doubtful);
+                }
+            }
             if let Some(slot) = self.chains.get_mut(index) {
                 *slot = chain;
             }
-            (left, above_left) = (chain, above);
-            if chain.is_believed(least_weight) {
+            (left, above_left) = (chain, above[1]);
+            if is_believed {
                 let sector = directions.sector_of(SIZE * index + Self::SAMPLE, &self.sectors);
                 if sector != report.sector {
                     self.note(lane, report);
                     report = Report { sector, bits: 0 };
                 }
-                report.bits = report.bits.max(chain.confirmed);
+                report.bits = report.bits.max(chain.told());
             }
         }
         self.note(lane, report);
+        if let Some(gap) = gap.filter(|gap: &Gap| gap.bits > 0) {
+            self.doubt(lane, gap, BLOCKS, &mut doubtful);
+        }
+        for ((&bits, &secant), weighing) in doubtful.iter().zip(&self.sectors.secant_q14).zip(&mut self.weighings) {
+            if bits > 0 {
+                weighing.add_doubtful(lane.range_mm(bits, secant));
+            }
+        }
+    }
+
+    /// Notes what may be in the sectors of the blocks of a gap, up to the block `end`.
+    fn doubt(&self, lane: &Lane, gap: Gap, end: usize, doubtful: &mut [i16; SECTORS]) {
+        let mut directions = Directions::new(lane);
+        for index in gap.first..end.min(self.camera.width().div_ceil(SIZE)) {
+            let sector = directions.sector_of(SIZE * index + Self::SAMPLE, &self.sectors);
+            if let Some(bits) = sector.and_then(|sector| doubtful.get_mut(sector)) {
+                *bits = (*bits).max(gap.bits);
+            }
+        }
     }
 
     fn note(&mut self, lane: &Lane, Report { sector, bits }: Report) {
         let Some(sector) = sector else { return };
-        let (Some(&secant), Some(nearest)) = (self.sectors.secant_q14.get(sector), self.nearest_mm.get_mut(sector))
+        let secant = self.sectors.secant_q14.get(sector);
+        let (Some(&secant), Some(nearest), Some(weighing)) =
+            (secant, self.nearest_mm.get_mut(sector), self.weighings.get_mut(sector))
         else {
             return;
         };
         *nearest = (*nearest).min(lane.range_mm(bits, secant));
+        weighing.add_sure();
     }
+}
+
+/// The three blocks above one: left of it, which the row under way has replaced, over it, and right of it.
+fn around<T: Copy>(row: &[T], index: usize, above_left: T, none: T) -> [T; 3] {
+    [above_left, row.get(index).copied().unwrap_or(none), row.get(index + 1).copied().unwrap_or(none)]
 }
 
 /// The greatest disparity believed in a sector of a row, 1/16 px.

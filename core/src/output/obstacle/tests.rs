@@ -163,10 +163,89 @@ fn a_sector_is_free_where_it_is_measured_and_empty_and_only_if_that_was_asked() 
     assert!(finder.free().all(|free| !free));
 }
 
+/// What is told of a wall at 3 m before which, in those columns and rows, something of `px` is answered with `confidence`.
+fn told_of(columns: std::ops::Range<usize>, rows: std::ops::Range<usize>, px: f64, confidence: u8) -> Vec<Option<u32>> {
+    let is_thing = |x: usize, y: usize| columns.contains(&x) && rows.contains(&y);
+    let mut finder = finder(mounting(300, 0.0));
+    for (y, disparity) in map(|x, y| Some(if is_thing(x, y) { px } else { 2.0 })).iter().enumerate() {
+        let confidence: [u8; WIDTH] = std::array::from_fn(|x| if is_thing(x, y) { confidence } else { 200 });
+        finder.push(&DisparityRow { y: u32::try_from(y).unwrap(), disparity, confidence: &confidence });
+    }
+    finder.nearest_mm().collect()
+}
+
+#[test]
+fn many_doubtful_answers_nearer_than_what_is_sure_make_a_sector_unknown() {
+    // The middle sector, of 10 degrees, are columns 71 to 88; the wall is in the band of heights in rows 53 to 67.
+    let middle = |px: f64, confidence: u8| told_of(72..80, 52..68, px, confidence)[4];
+    assert_eq!(middle(4.0, 64), Some(1500));
+    assert_eq!(middle(4.0, 40), None);
+    // A guess says nothing, nor what is not nearer by a quarter.
+    assert_eq!(middle(4.0, 15), Some(3000));
+    assert_eq!([middle(2.4, 40), middle(4.0, 40)], [Some(3000), None]);
+    // Five blocks make a chain, and two rows of such chains are needed.
+    assert_eq!(told_of(76..80, 44..68, 10.0, 40)[4], None);
+    assert_eq!(told_of(76..80, 48..68, 10.0, 40)[4], Some(3000));
+    assert_eq!(told_of(60..100, 56..60, 10.0, 40)[4], Some(3000));
+    // The sectors beside tell what stands in them.
+    assert_eq!(told_of(72..80, 52..68, 4.0, 40).iter().filter(|mm| mm.is_none()).count(), 1);
+}
+
+#[test]
+fn what_is_sure_in_three_times_as_many_rows_outweighs_doubt() {
+    // A wall at 1 m, in the band of heights in rows 40 to 83, eleven of blocks; and columns of doubt before it.
+    let told = |rows: std::ops::Range<usize>| {
+        let mut finder = finder(mounting(300, 0.0));
+        for y in 0..usize::from(HEIGHT) {
+            let is_doubtful = |x: usize| (76..80).contains(&x) && rows.contains(&y);
+            let disparity: [Disparity; WIDTH] =
+                std::array::from_fn(|x| Disparity::from_px(if is_doubtful(x) { 10 } else { 6 }));
+            let confidence: [u8; WIDTH] = std::array::from_fn(|x| if is_doubtful(x) { 40 } else { 200 });
+            let y = u32::try_from(y).unwrap();
+            finder.push(&DisparityRow { y, disparity: &disparity, confidence: &confidence });
+        }
+        finder.nearest_mm().nth(4).unwrap()
+    };
+    assert_eq!([told(48..72), told(40..84)], [Some(1000), None]);
+}
+
+#[test]
+fn doubt_is_of_the_whole_gap_between_sure_answers() {
+    // A wall, and before its lower part a thing with an outline, doubtful, and nothing between its two sides.
+    let mut finder = finder(mounting(300, 0.0));
+    let is_thing = |x: usize, y: usize| (40..120).contains(&x) && y >= 60;
+    let is_outline = |x: usize| (40..48).contains(&x) || (112..120).contains(&x);
+    let seen = map(|x, y| if !is_thing(x, y) { Some(2.0) } else { is_outline(x).then_some(10.0) });
+    for (y, disparity) in seen.iter().enumerate() {
+        let confidence: [u8; WIDTH] = std::array::from_fn(|x| if is_thing(x, y) { 40 } else { 200 });
+        finder.push(&DisparityRow { y: u32::try_from(y).unwrap(), disparity, confidence: &confidence });
+    }
+    let told: Vec<bool> = finder.nearest_mm().map(|mm| mm.is_some()).collect();
+    assert_eq!(told, [true, true, false, false, false, false, false, true, true]);
+}
+
+#[test]
+fn a_little_more_of_two_blocks_alone_is_not_believed_where_three_agree() {
+    // A wall at 2 px, two blocks of which read 0.75 px more.
+    let seen = map(|x, y| Some(if (76..80).contains(&x) && (56..64).contains(&y) { 2.75 } else { 2.0 }));
+    let found = find(&mut finder(mounting(300, 0.0)), &seen)[4].unwrap();
+    // 2 px and 1/8.
+    assert_eq!(found, 96_000 / 34);
+}
+
+#[test]
+fn the_blocks_at_the_border_do_not_count() {
+    for columns in [0..4, 156..160] {
+        let seen = map(|x, _| Some(if columns.contains(&x) { 20.0 } else { 2.0 }));
+        let found = find(&mut finder(mounting(300, 0.0)), &seen);
+        assert!(found.iter().flatten().all(|mm| *mm >= 3000), "{found:?}");
+    }
+}
+
 #[test]
 fn what_it_keeps_is_small() {
     let size = size_of::<Obstacles<17, { blocks_for(320) }>>();
-    assert!(size <= 1088, "{size}");
+    assert!(size <= 2240, "{size}");
 }
 
 #[test]

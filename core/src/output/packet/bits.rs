@@ -90,50 +90,67 @@ impl<const N: usize> Codes<N> {
     }
 }
 
+/// Room for bits, word by word.
+pub(super) type Words<'a> = core::slice::IterMut<'a, [u8; 4]>;
+
 /// Bits as they are written.
 pub(super) struct BitWriter<'a> {
-    words: core::slice::IterMut<'a, [u8; 4]>,
+    pub(super) words: Words<'a>,
+    /// The bits that are no whole word yet, and how many.
+    pub(super) pending: Pending,
+}
+
+/// Fewer than 32 bits, and how many.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Pending {
     word: u32,
     count: u32,
 }
 
-impl<'a> BitWriter<'a> {
-    pub(super) fn new(room: &'a mut [u8]) -> Self {
-        Self { words: room.as_chunks_mut().0.iter_mut(), word: 0, count: 0 }
-    }
-
-    /// Adds a code; `None` if there is no more room.
+impl Pending {
+    /// Adds 31 bits at most; `None` if there is no more room.
     #[inline(always)]
-    pub(super) fn put(&mut self, code: Code) -> Option<()> {
-        self.put_bits(code.bits(), code.count())
+    pub(super) fn put(&mut self, words: &mut Words<'_>, code: Code) -> Option<()> {
+        self.put_bits(words, code.bits(), code.count())
     }
 
     /// Adds three codes of 31 bits at most.
     #[inline(always)]
-    pub(super) fn put_three(&mut self, first: Code, second: Code, third: Code) -> Option<()> {
+    pub(super) fn put_three(&mut self, words: &mut Words<'_>, first: Code, second: Code, third: Code) -> Option<()> {
         let bits = first.bits() | (second.bits() | third.bits() << second.count()) << first.count();
-        self.put_bits(bits, first.count() + second.count() + third.count())
+        self.put_bits(words, bits, first.count() + second.count() + third.count())
     }
 
-    /// Adds 31 bits at most.
     #[inline(always)]
-    fn put_bits(&mut self, bits: u32, count: u32) -> Option<()> {
+    fn put_bits(&mut self, words: &mut Words<'_>, bits: u32, count: u32) -> Option<()> {
         let before = self.count;
         self.word |= bits << before;
         self.count += count;
         if self.count >= 32 {
-            *self.words.next()? = self.word.to_le_bytes();
+            *words.next()? = self.word.to_le_bytes();
             self.count -= 32;
             self.word = bits >> (32 - before);
         }
         Some(())
     }
+}
+
+impl<'a> BitWriter<'a> {
+    pub(super) fn new(room: &'a mut [u8]) -> Self {
+        Self { words: room.as_chunks_mut().0.iter_mut(), pending: Pending::default() }
+    }
+
+    /// Adds a code; `None` if there is no more room.
+    #[inline(always)]
+    pub(super) fn put(&mut self, code: Code) -> Option<()> {
+        self.pending.put(&mut self.words, code)
+    }
 
     /// Writes what is left; how many words of the room stay unused, and how many bytes of the last one count.
     pub(super) fn finish(mut self) -> Option<(usize, usize)> {
-        let bytes = self.count.div_ceil(8) as usize;
+        let bytes = self.pending.count.div_ceil(8) as usize;
         if bytes > 0 {
-            *self.words.next()? = self.word.to_le_bytes();
+            *self.words.next()? = self.pending.word.to_le_bytes();
         }
         Some((self.words.len(), bytes))
     }

@@ -25,7 +25,7 @@
     reason = "disparities have 16 bits, and what is cut out of a word is meant"
 )]
 
-use super::bits::{BitReader, BitWriter, Code, Codes};
+use super::bits::{BitReader, BitWriter, Code, Codes, Pending, Words};
 use crate::answer::cell_row::word;
 use crate::lanes::{splat, splat_half, sub_halves};
 use crate::{Disparity, DisparityRow};
@@ -132,46 +132,60 @@ pub(super) fn write(upper: DisparityRow<'_>, lower: DisparityRow<'_>, room: &mut
     Some(4 * (words - unused) - (4 - last) % 4)
 }
 
-// Writers are handed on by value, so that in the loops they stay in registers.
+// In the loops the bits stay in registers: a writer is made of them only where it is handed on.
 
 /// The confidences of both rows, if they are the same.
 #[inline(never)]
-fn write_sure<'a>(upper: &[u8], lower: &[u8], mut writer: BitWriter<'a>) -> Option<BitWriter<'a>> {
-    let (mut before, mut is_steady) = (0, false);
-    let rows = [upper, lower].map(|row| row.as_chunks::<4>());
-    let last = filled_up(rows[0].1).zip(filled_up(rows[1].1));
-    let cells = rows[0].0.iter().copied().zip(rows[1].0.iter().copied());
-    for (confidence, same) in cells.chain(last) {
-        let word = u32::from_le_bytes(confidence);
-        if word != u32::from_le_bytes(same) {
+fn write_sure<'a>(upper: &[u8], lower: &[u8], writer: BitWriter<'a>) -> Option<BitWriter<'a>> {
+    let BitWriter { mut words, mut pending } = writer;
+    let (mut before, mut codes) = (0_u32, &TABLES.confidence[0]);
+    let [(upper, upper_rest), (lower, lower_rest)] = [upper, lower].map(|row| row.as_chunks::<4>());
+    for (&upper, &lower) in upper.iter().zip(lower) {
+        if u32::from_le_bytes(upper) != u32::from_le_bytes(lower) {
             return None;
         }
-        if word == before {
-            writer.put(NO_CHANGE)?;
-            is_steady = true;
+        let word = u32::from_le_bytes(upper);
+        // Mostly all columns are equal, and the change to the cell before has a code.
+        let change = (word & 0xff).cast_signed() - (before & 0xff).cast_signed();
+        if word == splat(word & 0xff)
+            && let Some(code) = codes.get(change >> 3)
+            && change & (STEP - 1) == 0
+        {
+            pending.put(&mut words, code)?;
         } else {
-            writer = write_confidences(confidence, before, is_steady, writer)?;
-            (before, is_steady) = (splat(word >> 24), false);
+            BitWriter { words, pending } = write_confidences(upper, before, codes, words, pending)?;
         }
+        (before, codes) = (splat(word >> 24), &TABLES.confidence[usize::from(change == 0 && word == before)]);
+    }
+    let mut writer = BitWriter { words, pending };
+    if let Some((upper, lower)) = filled_up(upper_rest).zip(filled_up(lower_rest)) {
+        if upper != lower {
+            return None;
+        }
+        writer = write_confidences(upper, before, codes, writer.words, writer.pending)?;
     }
     Some(writer)
 }
 
 /// The disparities of both rows.
 #[inline(never)]
-fn write_disparities<'a>(upper: &[Disparity], lower: &[Disparity], mut writer: BitWriter<'a>) -> Option<BitWriter<'a>> {
-    let rows = [upper, lower].map(|row| row.as_chunks::<4>());
-    let last = filled_up(rows[0].1).zip(filled_up(rows[1].1));
+fn write_disparities<'a>(upper: &[Disparity], lower: &[Disparity], writer: BitWriter<'a>) -> Option<BitWriter<'a>> {
+    let BitWriter { mut words, mut pending } = writer;
     let (mut before, mut downs) = (0, &TABLES.down[1]);
-    for (upper, lower) in rows[0].0.iter().zip(rows[1].0) {
-        let cell = [*upper, *lower].map(words_of);
-        (writer, downs) = write_cell(cell, before, downs, writer)?;
-        before = cell[0][1].cast_signed() >> 16;
+    let [(upper, upper_rest), (lower, lower_rest)] = [upper, lower].map(|row| row.as_chunks::<4>());
+    for (upper, lower) in upper.iter().zip(lower) {
+        let cell = Cell::of(words_of(*upper), words_of(*lower));
+        if let Some([shape, value, down]) = cell.codes(before, downs) {
+            pending.put_three(&mut words, shape, value, down)?;
+        } else {
+            BitWriter { words, pending } = write_odd(cell, before, downs, words, pending)?;
+        }
+        (before, downs) = (cell.last(), cell.next_downs());
     }
-    if let Some((upper, lower)) = last {
-        (writer, _) = write_cell([upper, lower].map(words_of), before, downs, writer)?;
+    if let Some((upper, lower)) = filled_up(upper_rest).zip(filled_up(lower_rest)) {
+        return write_odd(Cell::of(words_of(upper), words_of(lower)), before, downs, words, pending);
     }
-    Some(writer)
+    Some(BitWriter { words, pending })
 }
 
 /// The columns of a cell, two in a word.
@@ -181,33 +195,63 @@ fn words_of(row: [Disparity; 4]) -> [u32; 2] {
     [word([a, b]), word([c, d])]
 }
 
-/// The two rows of a cell; with the writer the codes for the next *down*.
-#[inline(always)]
-fn write_cell<'a>(
-    [upper, lower]: [[u32; 2]; 2],
-    before: i32,
-    downs: &'static Downs,
-    mut writer: BitWriter<'a>,
-) -> Option<(BitWriter<'a>, &'static Downs)> {
-    let first = i32::from(upper[0] as u16 as i16);
-    let base = splat_half(upper[0] & 0xffff);
-    let above = [sub_halves(upper[0], base), sub_halves(upper[1], base)];
-    let down = [sub_halves(lower[0], upper[0]), sub_halves(lower[1], upper[1])];
-    let rise = i32::from(down[0] as u16 as i16);
-    // Odd numbers come out beyond all that have a code.
-    let half = |number: i32, most: u32| number.cast_unsigned().wrapping_add(2 * most).rotate_right(1) as usize;
-    let shape = TABLES.shape.get(half((upper[1].cast_signed() >> 16) - first, 10));
-    let is_even = down == [splat_half(down[0] & 0xffff); 2];
-    if let (Some(shape), Some(value), Some(down), true) =
-        (shape, TABLES.value.get(first - before), downs.0.get(half(rise, 6)), is_even)
-        && shape.columns == above
-    {
-        writer.put_three(shape.code, value, *down)?;
-    } else {
-        writer =
-            write_odd([upper, lower], first - before, shape.filter(|shape| shape.columns == above), downs, writer)?;
+/// The two rows of a cell, and what the lower one has more.
+#[derive(Clone, Copy)]
+struct Cell {
+    upper: [u32; 2],
+    lower: [u32; 2],
+    down: [u32; 2],
+}
+
+impl Cell {
+    #[inline(always)]
+    fn of(upper: [u32; 2], lower: [u32; 2]) -> Self {
+        Self { upper, lower, down: [sub_halves(lower[0], upper[0]), sub_halves(lower[1], upper[1])] }
     }
-    Some((writer, &TABLES.down[if is_even { down_index(rise) } else { 1 }]))
+
+    #[inline(always)]
+    fn first(&self) -> i32 {
+        i32::from(self.upper[0] as u16 as i16)
+    }
+
+    #[inline(always)]
+    fn last(&self) -> i32 {
+        self.upper[1].cast_signed() >> 16
+    }
+
+    /// Its shape, if that has a code.
+    #[inline(always)]
+    fn shape(&self) -> Option<Code> {
+        let base = splat_half(self.upper[0] & 0xffff);
+        let shape = TABLES.shape.get(half(self.last() - self.first(), 10))?;
+        (shape.columns == [sub_halves(self.upper[0], base), sub_halves(self.upper[1], base)]).then_some(shape.code)
+    }
+
+    /// What all columns of the lower row have more, if it is the same.
+    #[inline(always)]
+    fn rise(&self) -> Option<i32> {
+        let [a, b] = self.down;
+        (a == b && a == a.rotate_left(16)).then_some(i32::from(a as u16 as i16))
+    }
+
+    /// Codes of its shape, its value after the column `before`, and its *down*, if all have one.
+    #[inline(always)]
+    fn codes(&self, before: i32, downs: &Downs) -> Option<[Code; 3]> {
+        let down = *downs.0.get(half(self.rise()?, 6))?;
+        Some([self.shape()?, TABLES.value.get(self.first() - before)?, down])
+    }
+
+    /// The codes for the next cell's *down*: after less than none, none, or more.
+    #[inline(always)]
+    fn next_downs(&self) -> &'static Downs {
+        &TABLES.down[self.rise().map_or(1, down_index)]
+    }
+}
+
+/// The index of half of a number from `-2 * most` to `2 * most`; odd numbers come out beyond all that have a code.
+#[inline(always)]
+const fn half(number: i32, most: u32) -> usize {
+    number.cast_unsigned().wrapping_add(2 * most).rotate_right(1) as usize
 }
 
 /// Which of the codes comes after a *down*: that after less than none, none, or more.
@@ -218,35 +262,28 @@ const fn down_index(rise: i32) -> usize {
 
 /// A cell of which not everything has a code.
 #[inline(never)]
-fn write_odd<'a>(
-    [upper, lower]: [[u32; 2]; 2],
-    step: i32,
-    shape: Option<&Shape>,
-    downs: &Downs,
-    mut writer: BitWriter<'a>,
-) -> Option<BitWriter<'a>> {
-    if has_unknown(upper) || has_unknown(lower) {
+fn write_odd<'a>(cell: Cell, before: i32, downs: &Downs, words: Words<'a>, pending: Pending) -> Option<BitWriter<'a>> {
+    let mut writer = BitWriter { words, pending };
+    if has_unknown(cell.upper) || has_unknown(cell.lower) {
         return None;
     }
-    if let Some(shape) = shape {
-        writer.put(shape.code)?;
+    let step = cell.first() - before;
+    if let Some(shape) = cell.shape() {
+        writer.put(shape)?;
         write_value(step, &mut writer)?;
     } else {
         writer.put(TABLES.no_shape)?;
         write_value(step, &mut writer)?;
-        let [a, b, c, d] = columns_of(upper);
+        let [a, b, c, d] = columns_of(cell.upper);
         [b - a, c - b, d - c].into_iter().try_for_each(|step| write_value(step, &mut writer))?;
     }
-    let down = [sub_halves(lower[0], upper[0]), sub_halves(lower[1], upper[1])];
-    let rise = i32::from(down[0] as u16 as i16);
-    match downs.0.get(usize::try_from(rise / 2 + 6).unwrap_or(usize::MAX)) {
-        Some(&code) if down == [splat_half(down[0] & 0xffff); 2] && rise % 2 == 0 => writer.put(code)?,
-        _ => {
-            writer.put(downs.1)?;
-            for pair in down {
-                writer.put(Code::new(pair & 0xffff, 16))?;
-                writer.put(Code::new(pair >> 16, 16))?;
-            }
+    if let Some(&code) = cell.rise().and_then(|rise| downs.0.get(half(rise, 6))) {
+        writer.put(code)?;
+    } else {
+        writer.put(downs.1)?;
+        for pair in cell.down {
+            writer.put(Code::new(pair & 0xffff, 16))?;
+            writer.put(Code::new(pair >> 16, 16))?;
         }
     }
     Some(writer)
@@ -281,15 +318,16 @@ fn write_value(step: i32, writer: &mut BitWriter<'_>) -> Option<()> {
     writer.put(Code::new(step.cast_unsigned() & 0xffff, 16))
 }
 
-/// Confidences of a cell that are not those of the column before, four times in a word.
+/// Confidences of a cell after those of the column before, four times in a word.
 #[inline(never)]
 fn write_confidences<'a>(
     confidence: [u8; 4],
     before: u32,
-    is_steady: bool,
-    mut writer: BitWriter<'a>,
+    codes: &Codes<{ self::codes(12) }>,
+    words: Words<'a>,
+    pending: Pending,
 ) -> Option<BitWriter<'a>> {
-    let codes = &TABLES.confidence[usize::from(is_steady)];
+    let mut writer = BitWriter { words, pending };
     let (word, first) = (u32::from_le_bytes(confidence), confidence[0]);
     let change = i32::from(first) - (before & 0xff).cast_signed();
     match codes.get(change >> 3) {

@@ -36,7 +36,7 @@ const PATIENCE: Patience = Patience {
 
 type Clock = &'static CycleClock;
 /// The method behind rectification, with the rows that the rig needs.
-type Behind = Rectified<&'static mut dyn StereoMethod, { PLAN.waiting_rows() }, { settings::WIDTH as usize }>;
+type Behind = Rectified<&'static mut dyn StereoMethod, { PLAN.waiting_rows() }, { settings::WIDTH as usize }, Clock>;
 
 /// What happened to the camera's frames.
 static COUNTERS: SharedCounters = SharedCounters::new();
@@ -108,7 +108,7 @@ fn method(clock: Clock) -> Result<&'static mut dyn StereoMethod, ConfigError> {
 
 /// Builds it behind rectification.
 fn behind_offset(clock: Clock) -> &'static mut Behind {
-    match method(clock).and_then(|method| Rectified::new(method, PLAN.height, PLAN.rectification)) {
+    match method(clock).and_then(|method| Rectified::timed(method, PLAN.height, PLAN.rectification, clock)) {
         Ok(behind) => BEHIND.init(behind),
         Err(error) => defmt::panic!("the rig: {}", defmt::Display2Format(&error)),
     }

@@ -20,12 +20,12 @@ use crate::clock::TwinClock;
 use crate::options::Options;
 use crate::sink::FileSink;
 use crate::source::FileSource;
-use crate::{file, methods, obstacles, time};
+use crate::{file, methods, obstacles, tables, time};
 
 /// A camera that delivers nothing for so long is silent: three frames at 30 a second.
 pub const PATIENCE: Patience = Patience { within: Duration::from_millis(100), between: Duration::from_millis(100) };
 /// The method behind rectification, with rows for every rig whose views fit.
-type Behind = Rectified<&'static mut dyn StereoMethod, 64, MAX_WIDTH>;
+type Behind = Rectified<&'static mut dyn StereoMethod, 64, MAX_WIDTH, &'static TwinClock>;
 
 /// What happened to the camera's frames.
 pub static COUNTERS: SharedCounters = SharedCounters::new();
@@ -75,14 +75,15 @@ fn main() -> ! {
 fn start() -> Result<Parts, &'static str> {
     let args = semihosting::experimental::env::args::<1024>().map_err(|_| "no command line")?;
     let options = Options::parse((&args).into_iter().skip(1).filter_map(Result::ok))?;
-    let clock = CLOCK.take();
+    let clock: &'static TwinClock = CLOCK.take();
     clock.start()?;
     let core = cortex_m::Peripherals::take().ok_or("the peripherals are gone")?;
     time::start(core.SYST);
     let method = methods::build(&options, clock)?;
     let (method, watch): (&'static mut dyn StereoMethod, _) = match &options.plan {
         Some(plan) => {
-            let behind = Rectified::new(method, plan.height, plan.rectification);
+            let rectification = tables::complete(plan.rectification, &options)?;
+            let behind = Rectified::timed(method, plan.height, rectification, clock);
             let behind = behind.map_err(|_| "the rig's offset is out of range, or needs more than 64 rows")?;
             let setup = plan.setup().ok_or("the rig has too many sectors")?;
             (BEHIND.init(behind), Some(Watch { setup, file: file::create(file::OBSTACLES)? }))

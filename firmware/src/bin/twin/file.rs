@@ -6,6 +6,8 @@ use semihosting::fs::File;
 
 /// Raw rows of the camera, frame after frame.
 pub const RAW: &CStr = c"raw.bin";
+/// Nodes of the rig's tables, if it has some.
+pub const TABLES: &CStr = c"tables.bin";
 /// Disparity rows.
 pub const ROWS: &CStr = c"rows.bin";
 /// Obstacles, a line a frame.
@@ -15,7 +17,7 @@ pub const REPORT: &CStr = c"report.txt";
 
 /// Opens a file that has to be there.
 pub fn open(name: &CStr) -> Result<File, &'static str> {
-    File::open(name).map_err(|_| "raw.bin cannot be opened")
+    File::open(name).map_err(|_| "raw.bin or tables.bin cannot be opened")
 }
 
 /// Creates a file.

@@ -23,6 +23,8 @@ mod sink;
 #[cfg(target_os = "none")]
 mod source;
 #[cfg(target_os = "none")]
+mod tables;
+#[cfg(target_os = "none")]
 mod time;
 
 #[cfg(not(target_os = "none"))]

@@ -7,6 +7,7 @@ use haarline_firmware::app::ring::{MAX_RAW, MAX_WIDTH};
 use haarline_rig::Plan;
 
 use crate::fault::Fault;
+use crate::tables::Counts;
 
 /// What is asked for.
 #[derive(Debug, Clone, Copy)]
@@ -25,6 +26,8 @@ pub struct Options {
     pub fault: Option<Fault>,
     /// The rig, if obstacles are looked for.
     pub plan: Option<Plan>,
+    /// Nodes of its tables.
+    pub tables: Counts,
 }
 
 /// A stereo method, by its name on the host.
@@ -53,6 +56,7 @@ impl Options {
             method: Method::Lite,
             fault: None,
             plan: None,
+            tables: Counts::default(),
         };
         let mut rig = RigFigures::default();
         for word in words {
@@ -73,6 +77,9 @@ impl Options {
                 "skew" => options.wiring.skew = Skew::from_name(value).ok_or(bad)?,
                 "method" => options.method = Method::parse(value)?,
                 "fault" => options.fault = Some(value.parse()?),
+                "lens_nodes" => options.tables.lens = natural.and_then(|n| n.try_into().ok()).ok_or(bad)?,
+                "correction_nodes" => options.tables.correction = natural.and_then(|n| n.try_into().ok()).ok_or(bad)?,
+                "correction_columns" => options.tables.columns = natural.and_then(|n| n.try_into().ok()).ok_or(bad)?,
                 _ => rig.take(key, number.ok_or(bad)?)?,
             }
         }

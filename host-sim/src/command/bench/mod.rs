@@ -131,8 +131,9 @@ impl Summary {
     fn text(&self) -> String {
         let Self { width, height, num_disparities, rounds, .. } = self;
         let opencv = self.opencv.as_ref().map(|version| format!(", OpenCV {version}")).unwrap_or_default();
+        let s = if *rounds == 1 { "" } else { "s" };
         let mut text = format!(
-            "{width}x{height} px, {num_disparities} disparities, {rounds} rounds in turn, one thread each{opencv}\n"
+            "{width}x{height} px, {num_disparities} disparities, {rounds} round{s} in turn, one thread each{opencv}\n"
         );
         let _ = writeln!(text, "{:<20}{:>12}{:>12}", "ms a frame", "least", "median");
         for Timing { method, least_ms, median_ms } in &self.methods {

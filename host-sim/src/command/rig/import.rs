@@ -9,7 +9,7 @@ use haarline_rig::{CameraModel, Description, Lens};
 use super::super::{number, print, whole_number};
 use crate::input::raw_dump::ViewSize;
 use crate::input::rig_file;
-use crate::output;
+use crate::output::claims::Claims;
 use crate::rig::description_file::{DescriptionFile, Field};
 use crate::rig::import::{self, Imported, Options};
 
@@ -29,7 +29,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "WIDTHxHEIGHT")]
     size: Option<ViewSize>,
     /// The frames are so many times smaller than the calibrated pictures, by averages
-    #[arg(long, value_name = "N", default_value_t = 1, allow_hyphen_values = true, value_parser = whole_number)]
+    #[arg(long, value_name = "K", default_value_t = 1, allow_hyphen_values = true, value_parser = whole_number)]
     shrink: i64,
     /// The frames are rectified already, by the projections that the file tells (P1 and P2, projection_matrix)
     #[arg(long)]
@@ -41,13 +41,6 @@ pub(super) struct Args {
 
 impl Args {
     pub(super) fn run(self) -> Result<()> {
-        for path in &self.files {
-            ensure!(
-                !output::is_same_file(path, &self.output),
-                "-o {}: is a calibration file, give another name",
-                self.output.display()
-            );
-        }
         let shrink = u32::try_from(self.shrink).ok().filter(|shrink| (1..=16).contains(shrink));
         let shrink = shrink.with_context(|| format!("--shrink {}: must be 1 to 16", self.shrink))?;
         if let Some(unit) = self.unit_mm {
@@ -59,7 +52,11 @@ impl Args {
             shrink,
             is_rectified: self.rectified,
         };
+        let mut claims = Claims::new();
+        claims.read(&self.files);
+        claims.write("-o", &self.output)?;
         let file = DescriptionFile::open("-o", &self.output, self.update)?;
+        file.claim_backup("-o", &mut claims)?;
         let imported = import::import(&self.files, &options)?;
         let changes = file.write(&fields(&imported, file.description().as_ref())?)?;
         let description = rig_file::read(&self.output)?;

@@ -1,6 +1,8 @@
 //! `haarline rig`: writes, imports and shows rig descriptions.
 
+mod correct;
 mod import;
+mod rectify;
 
 use std::path::{Path, PathBuf};
 
@@ -30,6 +32,10 @@ enum Command {
     /// Makes a description of calibration files: OpenCV's (YAML, XML, JSON), ROS camera_info, Kalibr, EuRoC, Middlebury,
     /// KITTI
     Import(import::Args),
+    /// Fits what is added to disparities (disparity_correction) to recordings of a plane at a known distance
+    Correct(Box<correct::Args>),
+    /// Writes a recording's views as the core rectifies them
+    Rectify(Box<rectify::Args>),
     /// Shows a description and what follows from it: depths, their resolution, the field of view
     Show {
         /// The description
@@ -46,6 +52,8 @@ impl Args {
         match self.command {
             Command::New { file } => write_new(&file),
             Command::Import(args) => args.run(),
+            Command::Correct(args) => args.run(),
+            Command::Rectify(args) => args.run(),
             Command::Show { file, json } => {
                 let description = rig_file::read(&file)?;
                 let derived = Derived::of(&description);

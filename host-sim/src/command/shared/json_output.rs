@@ -10,8 +10,8 @@ use crate::output;
 /// Where a report goes as JSON.
 #[derive(Debug, clap::Args)]
 pub(in crate::command) struct JsonOutput {
-    /// Writes everything as JSON; - is the standard output, instead of the tables
-    #[arg(long, value_name = "FILE")]
+    /// Prints everything as JSON instead of the tables, or writes it to FILE beside them
+    #[arg(long, value_name = "FILE", num_args = 0..=1, default_missing_value = "-")]
     json: Option<PathBuf>,
 }
 

@@ -52,7 +52,7 @@ impl LayoutKind {
 }
 
 /// The layout; `first` is the camera of the left or upper half, if something tells it.
-pub(in crate::command) fn layout(kind: LayoutKind, first: Option<Side>) -> Result<Layout> {
+fn layout(kind: LayoutKind, first: Option<Side>) -> Result<Layout> {
     match (kind, first) {
         (LayoutKind::Auto, _) => Ok(Layout::Separate),
         (LayoutKind::Folders, _) => Ok(Layout::Folders),

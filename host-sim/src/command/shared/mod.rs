@@ -2,6 +2,8 @@
 
 mod benchmark;
 mod depth_options;
+mod fill;
+mod frames;
 mod json_output;
 mod layout;
 mod messages;
@@ -14,8 +16,10 @@ mod wiring;
 
 pub(super) use benchmark::{Benchmark, read_scenes, scene_folders};
 pub(super) use depth_options::DepthOptions;
+pub(super) use fill::FillArg;
+pub(super) use frames::{FrameArgs, readable};
 pub(super) use json_output::JsonOutput;
-pub(super) use layout::{LayoutArgs, LayoutKind, layout};
+pub(super) use layout::LayoutArgs;
 pub(super) use messages::{progress, quoted, warn_input, warn_skipped};
 pub(super) use method::MethodOptions;
 pub(super) use min_confidence::MinConfidence;

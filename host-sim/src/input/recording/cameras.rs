@@ -140,7 +140,7 @@ fn nothing_found(folder: &Path) -> Result<String> {
     let images = views::images(folder)?;
     if let Some(image) = images.first() {
         return Ok(format!(
-            "its {} images, as {}, tell no cameras by their names; if each holds both views, add --layout side-by-side \
+            "no name of its images ({} of them, as {}) tells a camera; if each holds both views, add --layout side-by-side \
              or top-bottom, and --first; --left GLOB and --right GLOB tell any other names",
             images.len(),
             file_name(image)

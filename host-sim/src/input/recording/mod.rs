@@ -167,6 +167,7 @@ fn file_advice(file: &Path) -> &'static str {
     match views::suffix(file).as_str() {
         "db3" => "ros2 bag convert makes an MCAP file of it, which is read",
         "bag" => "mcap convert makes an MCAP file of it, which is read",
+        image if views::is_image_suffix(image) => "a single pair is for haarline depth LEFT RIGHT",
         _ => "a raw dump needs --raw WIDTHxHEIGHT",
     }
 }

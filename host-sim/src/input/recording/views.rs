@@ -16,6 +16,11 @@ const FILMS: [&str; 10] = ["avi", "h264", "m4v", "mjpeg", "mjpg", "mkv", "mov", 
 /// No list of frames is longer.
 const MAX_LIST_BYTES: u64 = 1 << 28;
 
+/// Whether files with that suffix, in small letters, are taken for frames.
+pub(super) fn is_image_suffix(suffix: &str) -> bool {
+    SUFFIXES.contains(&suffix)
+}
+
 /// A view that was not read yet.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct View {
@@ -112,7 +117,7 @@ pub(super) fn of_pattern(folder: &Path, option: &str, pattern: &str) -> Result<V
 }
 
 fn is_image(path: &Path) -> bool {
-    SUFFIXES.contains(&suffix(path).as_str()) && !stem(path).starts_with('.')
+    is_image_suffix(&suffix(path)) && !stem(path).starts_with('.')
 }
 
 /// Whether it is a film by its name.

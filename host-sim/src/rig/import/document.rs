@@ -23,7 +23,7 @@ pub enum Document {
 pub fn read(path: &Path) -> Result<Document> {
     let name = path.display();
     ensure!(!path.is_dir(), "{name}: is a folder, where a calibration file is expected");
-    let text = std::fs::read_to_string(path).map_err(|error| anyhow!("{name}: cannot be read: {error}"))?;
+    let text = crate::input::whole_file::text(path)?;
     parse(&text).with_context(|| name.to_string())
 }
 

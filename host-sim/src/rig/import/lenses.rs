@@ -8,8 +8,9 @@ use nalgebra::{Matrix3, Rotation3, Vector2, Vector3};
 use super::calibration::{Camera, Raw};
 use super::pinhole::Pinhole;
 
-/// Share of both views that the cameras must have seen.
-const LEAST_INSIDE: f64 = 0.99;
+/// Share of both views that the cameras must have seen: all of both where some focal length allows it, since rows that one of
+/// them did not see have no answer.
+const LEAST_INSIDE: [f64; 2] = [1.0, 0.99];
 /// Focal lengths that are tried, of the mean one, percent.
 const FOCAL_PERCENT: std::ops::RangeInclusive<u32> = 50..=160;
 /// Vertical centres that are tried, px from the middle one.
@@ -45,20 +46,24 @@ pub fn of_raw(raw: &Raw, size: [u32; 2], residuals: &Pinhole) -> Result<(Pinhole
         let axis = [middle[0] - focal_px * look.x, middle[1] - focal_px * look.y + centre];
         Description { focal_px, principal: axis.map(Some), ..base.clone() }
     };
-    let least = FOCAL_PERCENT.clone().find(|&percent| survey(&candidate(percent, 0.0)).0 >= LEAST_INSIDE);
+    let find = |inside: f64| {
+        let mut focal = FOCAL_PERCENT.clone();
+        focal.find(|&percent| survey(&candidate(percent, 0.0)).0 >= inside).map(|percent| (percent, inside))
+    };
+    let least = LEAST_INSIDE.into_iter().find_map(find);
     ensure!(
         least.is_some(),
         "the two cameras do not see the same: no focal length up to {} times their own fills both views",
         FOCAL_PERCENT.end() / 100
     );
-    let least = least.unwrap_or(100);
+    let (least, least_inside) = least.unwrap_or((100, 0.0));
     let mut best: Option<(f64, Description)> = None;
     for percent in (least..=least + 20).step_by(2) {
         for centre in CENTRES {
             let description = candidate(percent, centre);
             let (inside, rows) = survey(&description);
             let cost = f64::from(rows) + ROWS_A_PERCENT * f64::from(percent - least) + 0.01 * centre.abs();
-            if inside >= LEAST_INSIDE && best.as_ref().is_none_or(|(least, _)| cost < *least) {
+            if inside >= least_inside && best.as_ref().is_none_or(|(least, _)| cost < *least) {
                 best = Some((cost, description));
             }
         }

@@ -6,8 +6,9 @@ use std::io::{BufReader, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, anyhow, ensure};
-use mcap::read::{ChunkReader, parse_record};
+use mcap::read::parse_record;
 use mcap::records::{Record, op};
+use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 
 use crate::input::image_file::guarded;
 
@@ -31,6 +32,17 @@ pub(super) struct Place {
     pub(super) message: usize,
 }
 
+/// How far to trust a record.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Trust {
+    /// The checksum of its chunk is right.
+    Checked,
+    /// Nothing guards it.
+    Unchecked,
+    /// Its chunk is damaged somewhere.
+    Damaged,
+}
+
 /// A record on the way through the file.
 struct Head {
     op: u8,
@@ -41,9 +53,10 @@ struct Head {
 impl McapFile {
     /// The file in `path`.
     pub(super) fn open(path: &Path) -> Result<Self> {
-        let mut magic = [0; mcap::MAGIC.len()];
-        let read = File::open(path).and_then(|mut file| file.read_exact(&mut magic));
+        let mut magic = Vec::new();
+        let read = File::open(path).and_then(|file| file.take(mcap::MAGIC.len() as u64).read_to_end(&mut magic));
         read.map_err(|error| anyhow!("{}: cannot be read: {error}", path.display()))?;
+        ensure!(!magic.is_empty(), "{}: the file is empty, where an MCAP recording is expected", path.display());
         ensure!(magic == mcap::MAGIC, "{}: does not begin as an MCAP file does", path.display());
         Ok(Self { path: path.to_owned() })
     }
@@ -53,26 +66,28 @@ impl McapFile {
     }
 
     /// Shows all records in their order, those of chunks with the offset of the chunk and the number of messages in it
-    /// before. Whether the file is whole: one that is cut off or damaged is shown as far as it goes.
-    pub(super) fn visit(&self, mut show: impl FnMut(u64, usize, Record<'_>) -> Result<()>) -> Result<bool> {
+    /// before, and how far to trust each. Whether the file is whole: one that is cut off or damaged is shown as far as
+    /// it goes.
+    pub(super) fn visit(&self, mut show: impl FnMut(Place, Trust, Record<'_>) -> Result<()>) -> Result<bool> {
         let mut file = BufReader::new(File::open(&self.path)?);
         let end = file.get_ref().metadata()?.len();
-        let (mut at, mut is_whole) = (mcap::MAGIC.len() as u64, true);
+        let (mut at, mut is_whole, mut is_summary) = (mcap::MAGIC.len() as u64, true, false);
         while let Some(head) = read_head(&mut file, at, end)? {
             at = head.at + HEAD_BYTES + head.length;
             match head.op {
-                // What follows tells nothing new.
-                op::DATA_END | op::FOOTER => return Ok(is_whole),
+                op::FOOTER => return Ok(is_whole),
+                // The summary after it tells schemas and channels once more.
+                op::DATA_END => is_summary = true,
+                op::CHUNK | op::MESSAGE if is_summary => {}
                 op::CHUNK | op::SCHEMA | op::CHANNEL | op::MESSAGE => {
                     let body = read_body(&mut file, &head)?;
-                    let mut failed = None;
-                    let shown = visit_record(&head, &body, |messages, record| {
-                        if failed.is_none() {
-                            failed = show(head.at, messages, record).err();
-                        }
-                    });
-                    failed.map_or(Ok(()), Err)?;
+                    let mut records = Vec::new();
+                    let shown = visit_record(&head, &body, |message, record| records.push((message, record)));
                     is_whole &= shown.is_ok();
+                    let trust = shown.unwrap_or(Trust::Damaged);
+                    for (message, record) in records {
+                        show(Place { record: head.at, message }, trust, record)?;
+                    }
                 }
                 _ => {}
             }
@@ -90,7 +105,8 @@ impl McapFile {
             if let Record::Message { data, .. } = record {
                 show(index, data);
             }
-        })
+        })?;
+        Ok(())
     }
 }
 
@@ -116,23 +132,50 @@ fn read_body(file: &mut BufReader<File>, head: &Head) -> Result<Vec<u8>> {
 }
 
 /// Shows a record, or those in it, each with the number of messages before it.
-fn visit_record(head: &Head, body: &[u8], mut show: impl FnMut(usize, Record<'_>)) -> Result<()> {
+fn visit_record(head: &Head, body: &[u8], mut show: impl FnMut(usize, Record<'static>)) -> Result<Trust> {
     let damaged = |error: &dyn std::fmt::Display| anyhow!("a chunk is damaged: {error}");
     let record = guarded(|| parse_record(head.op, body)).map_err(|error| damaged(&error))?;
     let record = record.map_err(|error| damaged(&error))?;
-    let Record::Chunk { header, data } = record else {
-        show(0, record);
-        return Ok(());
+    let Record::Chunk { header, .. } = record else {
+        show(0, record.into_owned());
+        return Ok(Trust::Unchecked);
     };
     let size = header.uncompressed_size;
+    let trust = if header.uncompressed_crc == 0 { Trust::Unchecked } else { Trust::Checked };
     ensure!(size <= MAX_RECORD_BYTES, "a chunk claims to have {size} bytes, more than this tool reads");
-    let mut reader = ChunkReader::new(header, &data).map_err(|error| damaged(&error))?;
-    let mut messages = 0;
-    while let Some(record) = guarded(|| reader.next()).map_err(|error| damaged(&error))? {
+    // No record in a chunk is longer than the chunk, whatever it claims.
+    let options = LinearReaderOptions::default()
+        .with_skip_start_magic(true)
+        .with_skip_end_magic(true)
+        .with_validate_chunk_crcs(true)
+        .with_record_length_limit((size as usize).max(body.len()));
+    let mut reader = LinearReader::new_with_options(options);
+    let head = [&[head.op][..], &head.length.to_le_bytes()].concat();
+    let (mut from, mut messages) = (head.as_slice().chain(body), 0);
+    while let Some(record) = guarded(|| next_record(&mut reader, &mut from)).map_err(|error| damaged(&error))? {
         let record = record.map_err(|error| damaged(&error))?;
         let is_message = matches!(record, Record::Message { .. });
         show(messages, record);
         messages += usize::from(is_message);
     }
-    Ok(())
+    Ok(trust)
+}
+
+/// The next record of a chunk that is read from there.
+fn next_record(reader: &mut LinearReader, from: &mut impl Read) -> Option<Result<Record<'static>>> {
+    loop {
+        match reader.next_event()? {
+            Ok(LinearReadEvent::ReadRequest(wanted)) => {
+                let read = from.read(reader.insert(wanted));
+                match read {
+                    Ok(count) => reader.notify_read(count),
+                    Err(error) => return Some(Err(error.into())),
+                }
+            }
+            Ok(LinearReadEvent::Record { data, opcode }) => {
+                return Some(parse_record(opcode, data).map(Record::into_owned).map_err(Into::into));
+            }
+            Err(error) => return Some(Err(error.into())),
+        }
+    }
 }

@@ -19,6 +19,7 @@ use file::{McapFile, Place};
 use image_message::ImageKind;
 use topics::Topic;
 
+mod channels;
 mod file;
 mod image_message;
 mod topics;

@@ -1,11 +1,12 @@
 //! The topics of a recording that have images, and which two of them are the cameras.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::BTreeMap;
 
 use anyhow::{Result, bail, ensure};
 use mcap::records::Record;
 
-use super::file::{McapFile, Place};
+use super::channels::Channels;
+use super::file::{McapFile, Place, Trust};
 use super::image_message::ImageKind;
 use crate::input::recording::Side;
 use crate::input::recording::names::Scheme;
@@ -41,39 +42,34 @@ pub(super) struct Topics {
 
 /// Finds the topics with images; whether the file is whole.
 pub(super) fn find(file: &McapFile) -> Result<(Topics, bool)> {
-    let (mut topics, mut count) = (Topics::default(), 0);
-    let mut schemas = HashMap::<u16, String>::new();
-    let mut channels = HashMap::<u16, (String, ImageKind)>::new();
-    let is_whole = file.visit(|record, message, content| {
+    let mut channels = Channels::new();
+    let (topics, is_whole, is_sure) = find_with(file, &mut channels)?;
+    // Where something is damaged, messages may have come before what they are was known for certain.
+    Ok(if is_whole && is_sure { (topics, true) } else { (find_with(file, &mut channels)?.0, false) })
+}
+
+/// The same by the schemas and channels that are known, and those that come to them; whether none of them changed.
+fn find_with(file: &McapFile, channels: &mut Channels) -> Result<(Topics, bool, bool)> {
+    let (mut images, mut count, mut is_sure) = (BTreeMap::<String, Topic>::new(), 0, true);
+    let is_whole = file.visit(|place, trust, content| {
         match content {
-            Record::Schema { header, .. } => {
-                if !topics.types.contains(&header.name) {
-                    topics.types.push(header.name.clone());
-                }
-                schemas.insert(header.id, header.name);
-            }
-            Record::Channel(channel) => {
-                let schema = schemas.get(&channel.schema_id).map_or("", String::as_str);
-                if let Some(kind) = ImageKind::of(schema, &channel.message_encoding) {
-                    channels.insert(channel.id, (channel.topic, kind));
-                }
-            }
             Record::Message { header, data } => {
-                let Some((name, kind)) = channels.get(&header.channel_id) else { return Ok(()) };
+                let Some((name, kind)) = channels.images_of(header.channel_id) else { return Ok(()) };
                 let logged = i128::from(header.log_time);
                 // What cannot be read is a damaged frame of that moment.
                 let stamp = kind.stamp(&data).unwrap_or(logged);
-                let new = || Topic { name: name.clone(), kind: *kind, images: Vec::new() };
-                let topic = topics.images.entry(name.clone()).or_insert_with(new);
-                topic.images.push(Image { place: Place { record, message }, stamp, logged });
+                let new = || Topic { name: name.to_owned(), kind, images: Vec::new() };
+                let topic = images.entry(name.to_owned()).or_insert_with(new);
+                topic.images.push(Image { place, stamp, logged });
                 count += 1;
                 ensure!(count <= MAX_IMAGES, "has more than {MAX_IMAGES} images, too many for a recording");
             }
-            _ => {}
+            _ if trust == Trust::Damaged => {}
+            told => is_sure &= !channels.add(told, trust == Trust::Checked),
         }
         Ok(())
     })?;
-    Ok((topics, is_whole))
+    Ok((Topics { images, types: channels.types() }, is_whole, is_sure))
 }
 
 /// The topics of the left and the right camera: those that `wanted` tells, or the only two whose names do.

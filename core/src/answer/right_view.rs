@@ -1,0 +1,113 @@
+//! What the right view sees of a cell row: which label claims each of its columns, and where in the left view to look for
+//! what it does not see.
+#![allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_possible_wrap,
+    clippy::cast_sign_loss,
+    reason = "columns are below 1280"
+)]
+
+use core::ops::Range;
+
+use crate::Config;
+use crate::lanes::rows::{least_of_three, load, update};
+use crate::lanes::{add, max, select_ge, splat};
+
+/// Cells beyond a jump's reach that are looked at, too: of a slanted surface, and of windows that begin between words.
+const BESIDE: usize = 2;
+
+/// Cells among which something may be hidden.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Stretch {
+    pub(crate) from: usize,
+    pub(crate) to: usize,
+    /// The least label before its jumps.
+    pub(crate) far: u8,
+}
+
+impl Stretch {
+    /// The cells around a jump from one label up to another, before a cell, that may be hidden by what is nearer, or hide it.
+    ///
+    /// - `cells`: how many there are.
+    pub(crate) fn around(cell: usize, far: u8, near: u8, cells: usize) -> Self {
+        let reach = usize::from(near.abs_diff(far)) / 4 + BESIDE;
+        Self { from: cell.saturating_sub(reach), to: (cell + reach).min(cells), far }
+    }
+
+    /// The stretch and the cells around one more jump, further right, of those `within`.
+    pub(crate) fn with(self, cell: usize, far: u8, near: u8, within: Range<usize>) -> Self {
+        let far = far.min(self.far);
+        let jump = Self::around(cell, far, near, within.end);
+        Self { from: self.from.min(jump.from).max(within.start), to: self.to.max(jump.to), far }
+    }
+}
+
+/// The columns of the right view, and what claims them.
+pub(crate) struct RightView<const WORDS: usize> {
+    /// For each column the greatest label that claims it, a word of margin before; all bits are set outside of the view.
+    claims: [u32; WORDS],
+    words: usize,
+    /// The byte of `claims` that label 0 of the first cell begins at.
+    pub(crate) origin: i32,
+}
+
+impl<const WORDS: usize> RightView<WORDS> {
+    /// Nothing is claimed.
+    pub(crate) fn new(config: &Config, cells: usize) -> Self {
+        let (mut claims, words) = ([0; WORDS], cells + 2);
+        let width = usize::from(config.width);
+        if let [first, .., inner, last] = &mut claims[..words] {
+            (*first, *last) = (u32::MAX, u32::MAX);
+            if !width.is_multiple_of(4) {
+                *inner = u32::MAX << (8 * (width % 4));
+            }
+        }
+        Self { claims, words, origin: 4 - i32::from(config.min_disparity) }
+    }
+
+    /// The cells that lie left of the right view, from the first on.
+    pub(crate) fn left_margin(&self, labels: &[u8]) -> Stretch {
+        let columns = (self.origin..).step_by(4);
+        let to = labels.iter().zip(columns).take_while(|&(&label, column)| column - i32::from(label) < 4).count();
+        Stretch { from: 0, to, far: u8::MAX }
+    }
+
+    /// The cells from `first` on that may lie right of the right view.
+    pub(crate) fn right_margin(&self, config: &Config, first: usize) -> Stretch {
+        let cells = self.cells();
+        let beyond =
+            usize::from(config.min_disparity.min(0).unsigned_abs()) + usize::from(!config.width.is_multiple_of(4));
+        let margin = if beyond > 0 { beyond / 4 + 2 } else { 0 };
+        Stretch { from: cells.saturating_sub(margin).max(first), to: cells, far: u8::MAX }
+    }
+
+    /// How many cells there are.
+    pub(crate) fn cells(&self) -> usize {
+        self.words - 2
+    }
+
+    /// A label claims four columns, or some of them, from a byte on.
+    #[inline(always)]
+    pub(crate) fn claim(&mut self, byte: usize, label: u8, columns: u32) {
+        let labels = splat(u32::from(label)) & columns;
+        update(&mut self.claims[..self.words], byte, |claimed| max(claimed, labels));
+    }
+
+    /// Those of four columns, from a byte on, that are claimed by something nearer than a label, with both beside them.
+    #[inline(always)]
+    pub(crate) fn hidden(&self, byte: usize, label: u8) -> u32 {
+        let claims = &self.claims[..self.words];
+        let nearer = add(splat(u32::from(label)), splat(2));
+        // Mostly nothing nearer is there.
+        match select_ge(load(claims, byte), nearer, u32::MAX, 0) {
+            0 => 0,
+            _ => select_ge(least_of_three(claims, byte), nearer, u32::MAX, 0),
+        }
+    }
+}
+
+/// How cells are walked along: their labels' bytes of the right view.
+#[inline(always)]
+pub(crate) fn columns(cells: Range<usize>, origin: i32) -> impl DoubleEndedIterator<Item = i32> + ExactSizeIterator {
+    cells.map(move |cell| origin + 4 * cell as i32)
+}

@@ -1,0 +1,52 @@
+//! Files that are read whole: descriptions, tables, programs. What has no end, as a device, is refused in time.
+
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+use anyhow::{Result, anyhow, ensure};
+
+/// No text that is read here is longer.
+const MAX_TEXT_BYTES: u64 = 64 << 20;
+
+/// The content of a file of at most `most` bytes.
+///
+/// # Errors
+/// If it cannot be read or is longer. The file is named.
+pub fn bytes(path: &Path, most: u64) -> Result<Vec<u8>> {
+    let (name, mut bytes) = (path.display(), Vec::new());
+    let read = File::open(path).and_then(|file| file.take(most + 1).read_to_end(&mut bytes));
+    read.map_err(|error| anyhow!("{name}: cannot be read: {error}"))?;
+    ensure!(bytes.len() as u64 <= most, "{name}: has more than {} MB, too much for such a file", most >> 20);
+    Ok(bytes)
+}
+
+/// The content of a text.
+///
+/// # Errors
+/// If it cannot be read, is too long or no text. The file is named.
+pub fn text(path: &Path) -> Result<String> {
+    String::from_utf8(bytes(path, MAX_TEXT_BYTES)?)
+        .map_err(|_| anyhow!("{}: is no text, but bytes of some other kind", path.display()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fs;
+
+    #[test]
+    fn what_is_too_long_or_no_text_is_refused_by_its_name() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("some.toml");
+        fs::write(&path, [b'a'; 16]).unwrap();
+        assert_eq!(bytes(&path, 16).unwrap().len(), 16);
+        assert!(bytes(&path, 15).unwrap_err().to_string().contains("some.toml: has more"));
+        assert_eq!(text(&path).unwrap(), "aaaaaaaaaaaaaaaa");
+        fs::write(&path, [0xff, 0xfe]).unwrap();
+        assert!(text(&path).unwrap_err().to_string().contains("some.toml: is no text"));
+        assert!(text(&folder.path().join("none")).unwrap_err().to_string().contains("cannot be read"));
+        #[cfg(unix)]
+        assert!(text(Path::new("/dev/zero")).unwrap_err().to_string().contains("64 MB"));
+    }
+}
