@@ -12,7 +12,7 @@ from pathlib import Path
 SOURCE = Path(__file__).resolve().parents[1] / "src"
 # Every board and sensor that has a folder or a file, and what belongs to a chip.
 BOARDS = [folder.name for folder in (SOURCE / "board").iterdir() if folder.is_dir()]
-SENSORS = [file.stem for file in (SOURCE / "sensor").glob("*.rs") if file.stem != "mod"]
+SENSORS = [file.stem for file in (SOURCE / "sensor").glob("*.rs") if "impl Sensor for" in file.read_text()]
 WORDS = [*BOARDS, *SENSORS, "stm32", "embassy_stm32", "nucleo", "cortex_m", "dcmi", r"crate::board", r"\bpac\b"]
 NAME = re.compile("|".join(WORDS), re.I)
 
