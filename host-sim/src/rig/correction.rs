@@ -302,7 +302,7 @@ mod tests {
         for (down, rows) in [(0.0, 1), (0.6, NODES[1])] {
             let mut all = residuals(down, [0, 127]);
             // Every second call took nothing.
-            all.counts[1].clone_from(&all.counts[0]);
+            all.counts[1] = all.counts[0].clone();
             let fit = all.fit().unwrap();
             assert_eq!((fit.nodes.len(), fit.columns, fit.rows), (rows, [12, 127], [8, 91]));
             let nodes: Vec<f64> = fit.nodes.concat();
