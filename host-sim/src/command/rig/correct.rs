@@ -30,7 +30,7 @@ pub(super) struct Args {
     #[arg(value_name = "RECORDING", required = true)]
     recordings: Vec<PathBuf>,
     /// Description of the rig, aligned or imported
-    #[arg(long, value_name = "RIG.toml")]
+    #[arg(long, value_name = "FILE")]
     rig: PathBuf,
     /// Distance of the plane from the left camera along its axis, m; it fills the view then
     #[arg(long, value_name = "M", allow_hyphen_values = true, value_parser = number, conflicts_with = "planes", required_unless_present = "planes")]
