@@ -45,10 +45,10 @@ BOUNDS = {
     ("16", 2.5): Bound(95, 100, 22, 28),
     ("01", 0.0): Bound(0, 60, 33, 33),
     ("01", 0.4): Bound(95, 100, 10, 23),
-    ("01", 1.0): Bound(95, 100, 10, 16),
+    ("01", 1.0): Bound(95, 100, 11, 16),
     ("01", 1.5): Bound(95, 100, 15, 19),
     ("01", 2.5): Bound(90, 100, 20, 23),
-    ("13", 2.5): Bound(0, 15, 30, 150),
+    ("13", 2.5): Bound(0, 15, 25, 30),
 }
 # Other sectors that read much nearer than the obstacle, percent, at most.
 NEARER = 5

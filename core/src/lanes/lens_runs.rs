@@ -389,7 +389,9 @@ fn copy_words<'a, 'b>(row: &'a [u8], to: &'b mut [u8]) -> (&'a [u8], &'b mut [u8
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    #![allow(clippy::cast_possible_truncation, clippy::cast_possible_wrap, reason = "a run is a few pixels")]
+
+use super::*;
 
     #[test]
     fn pixels_are_mixed_bilinearly() {

@@ -255,7 +255,7 @@ mod tests {
     fn a_refusal_is_one_line_that_names_the_option() {
         let cases = [
             ("haarline", "a command is missing: depth, "),
-            ("haarline rig", "a command is missing: new, import, show; haarline rig --help"),
+            ("haarline rig", "a command is missing: new, import, "),
             ("haarline power", "a command is missing: measure; haarline power --help"),
             ("haarline dept", "unrecognized subcommand 'dept'"),
             ("haarline depth", "<LEFT>"),

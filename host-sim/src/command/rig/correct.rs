@@ -11,6 +11,7 @@ use serde::Serialize;
 use super::super::shared::{FrameArgs, MethodOptions, progress, readable, warn_skipped};
 use super::super::{Finding, number, print, whole_number};
 use crate::input::rig_file;
+use crate::output::claims::Claims;
 use crate::rig::correction::{Plane, Residuals};
 use crate::rig::description_file::DescriptionFile;
 use crate::rig::planes::{self, PlaneLine};
@@ -30,7 +31,7 @@ pub(super) struct Args {
     #[arg(value_name = "RECORDING", required = true)]
     recordings: Vec<PathBuf>,
     /// Description of the rig, aligned or imported
-    #[arg(long, value_name = "RIG.toml")]
+    #[arg(long, value_name = "FILE")]
     rig: PathBuf,
     /// Distance of the plane from the left camera along its axis, m; it fills the view then
     #[arg(long, value_name = "M", allow_hyphen_values = true, value_parser = number, conflicts_with = "planes", required_unless_present = "planes")]
@@ -76,6 +77,11 @@ impl Args {
         ensure!(self.rig.exists(), "--rig {}: no such file, where a rig description is expected", self.rig.display());
         rig_file::read(&self.rig)?;
         let file = DescriptionFile::open("--rig", &self.rig, true)?;
+        if self.update {
+            let mut claims = Claims::new();
+            claims.read(self.planes.iter().chain(&self.recordings));
+            file.claim_backup("--update", &mut claims)?;
+        }
         let rig = rig_file::read(&self.rig)?;
         let size = [rig.width, rig.height].map(usize::from);
         let (mut residuals, mut frames, mut damaged, mut answers) = (Residuals::new(size), 0, 0, 0);

@@ -19,7 +19,7 @@ pub(super) struct Args {
     /// The recording, as its cameras took it
     recording: PathBuf,
     /// Description of the rig
-    #[arg(long, value_name = "RIG.toml")]
+    #[arg(long, value_name = "FILE")]
     rig: PathBuf,
     /// Where the rectified views go: left/<frame>.png and right/<frame>.png, black where a row needs what no camera saw
     #[arg(short, long = "output", value_name = "DIR")]
