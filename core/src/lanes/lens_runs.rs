@@ -2,6 +2,7 @@
 //!
 //! Written in full for Cortex-M: 31 instructions for four pixels, 36 where rows change. Held against portable code on every target
 //! that has both.
+#![allow(clippy::cast_possible_truncation, clippy::cast_possible_wrap, reason = "a run is a few pixels")]
 
 /// Pixels that share a place.
 pub(crate) const RUN: usize = 4;
@@ -389,9 +390,7 @@ fn copy_words<'a, 'b>(row: &'a [u8], to: &'b mut [u8]) -> (&'a [u8], &'b mut [u8
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::cast_possible_truncation, clippy::cast_possible_wrap, reason = "a run is a few pixels")]
-
-use super::*;
+    use super::*;
 
     #[test]
     fn pixels_are_mixed_bilinearly() {
