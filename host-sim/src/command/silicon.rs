@@ -59,7 +59,7 @@ impl Args {
         if let Some(path) = &self.output {
             let mut claims = Claims::new();
             let files = scenes.iter().flat_map(|(folder, _)| ["left.png", "right.png"].map(|view| folder.join(view)));
-            claims.read(&files.collect::<Vec<_>>());
+            claims.read(files.collect::<Vec<_>>());
             claims.write("-o", path)?;
         }
         if let Some(elf) = &self.flash {
