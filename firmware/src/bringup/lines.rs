@@ -165,7 +165,7 @@ mod tests {
         wrong
     }
 
-    fn swap(sample: u16, one: u32, other: u32) -> u16 {
+    fn swap(sample: u16, one: usize, other: usize) -> u16 {
         let differ = (sample >> one ^ sample >> other) & 1;
         sample ^ (differ << one | differ << other)
     }
@@ -181,7 +181,7 @@ mod tests {
             assert_eq!(told(|sent| sent & !(1 << line)), [Wrong::StuckLow(line)]);
             assert_eq!(told(|sent| sent | 1 << line), [Wrong::StuckHigh(line)]);
             for other in line + 1..14 {
-                assert_eq!(told(|sent| swap(sent, line as u32, other as u32)), [Wrong::Swapped(line, other)]);
+                assert_eq!(told(|sent| swap(sent, line, other)), [Wrong::Swapped(line, other)]);
                 let both = 1 << line | 1 << other;
                 let low_wins = |sent: u16| if sent & both == both { sent } else { sent & !both };
                 let high_wins = |sent: u16| if sent & both == 0 { sent } else { sent | both };

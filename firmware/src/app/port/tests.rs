@@ -1,4 +1,5 @@
 //! The port against a camera that misbehaves in every way, served early and late.
+#![expect(clippy::cast_possible_truncation, reason = "a few rows of a few bytes")]
 
 use proptest::prelude::*;
 
