@@ -221,7 +221,7 @@ def rover(rig):
 def recording(rig):
     emulated = rig.emulate("recording", len(rig.maps))
     emulated.clean(len(rig.maps))
-    return f"{len(rig.maps)} frames, {rig.rate} a second, {re.search(r'asleep.*', emulated.log)[0]}"
+    return f"{len(rig.maps)} frames, {rig.rate} a second"
 
 
 def fault(rig, kind):

@@ -99,7 +99,7 @@ mod tests {
     proptest! {
         #[test]
         fn what_is_missing_is_sent_until_all_came(len in 0..=MOST, lost in any::<u64>()) {
-            let message: Vec<u8> = (0..len).map(|at| at as u8).collect();
+            let message: Vec<u8> = (0..=u8::MAX).cycle().take(len).collect();
             let mut incoming = Incoming::default();
             incoming.expect(5);
             let mut draw = lost;

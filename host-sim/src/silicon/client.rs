@@ -144,7 +144,9 @@ mod tests {
             let draw = self.random >> 33;
             match self.rate {
                 0 => Some(byte),
-                rate if draw % rate == 0 => (draw / rate % 2 == 0).then_some(byte ^ (draw >> 9) as u8),
+                rate if draw.is_multiple_of(rate) => {
+                    (draw / rate).is_multiple_of(2).then_some(byte ^ (draw >> 9) as u8)
+                }
                 _ => Some(byte),
             }
         }
