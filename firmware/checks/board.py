@@ -262,7 +262,7 @@ def mistaken(rig, mistake, words):
     """A mistake in the wires is named, and the program goes on."""
     log = rig.folder / f"{mistake}.log"
     run(EMULATOR, rig.elf, "--raw", rig.dump, "--size", f"{rig.width}x{rig.height}", "--sensor", rig.sensor,
-        "--frames", 4, "--limit", 1500, "--wires", mistake, "--log", log)
+        "--frames", 2 * rig.rate, "--limit", 1500, "--wires", mistake, "--log", log)
     found = re.search(words, log.read_text())
     if not found:
         raise Failure(f"the log does not say {words!r}:\n{log.read_text()}")
