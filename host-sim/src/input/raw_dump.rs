@@ -140,14 +140,16 @@ mod tests {
     #[test]
     fn frames_come_back_from_a_dump_of_every_wiring() {
         let size = ViewSize { width: 33, height: 3 };
-        let view = |frame: usize, seed: usize| {
-            let luma = (0..99).map(|i| (i * i * seed + frame * 31) as u8).collect();
-            Frame::from_luma(33, 3, luma)
-        };
-        let pairs = [0, 1].map(|frame| StereoPair { left: view(frame, 7), right: view(frame, 13) });
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("dump.raw");
         for &kind in Kind::ALL {
+            // Fourteen lines carry seven bits of each view.
+            let keep = if kind == Kind::Pairs14 { 0xfe } else { 0xff };
+            let view = |frame: usize, seed: usize| {
+                let luma = (0..99).map(|i| (i * i * seed + frame * 31) as u8 & keep).collect();
+                Frame::from_luma(33, 3, luma)
+            };
+            let pairs = [0, 1].map(|frame| StereoPair { left: view(frame, 7), right: view(frame, 13) });
             for &first in First::ALL {
                 let format = RawFormat { size, wiring: Wiring { kind, first, skew: Skew::None } };
                 let mut bytes = Vec::new();
