@@ -13,7 +13,7 @@ use crate::answer::cell::HALF;
 use crate::answer::cell_row::{CellRow, SAME_SURFACES, blend, blend_pair, halves, is_same_surface, word};
 use crate::answer::evidence::Worth;
 use crate::answer::median::{MOST_DOUBTFUL, confidences, medians};
-use crate::answer::neighbourhood::words_of;
+use crate::answer::neighbourhood::{words, words_of};
 use crate::answer::right_view::{RightView, Stretch, columns};
 use crate::front_end::camera_view::Row;
 use crate::lanes::rows::window_sad;
@@ -131,14 +131,12 @@ impl<const WORDS: usize> AnswerRow<WORDS> {
     #[inline(never)]
     fn part(&mut self, config: &Config, sources: &Sources<'_, WORDS>, median: &[u8; WORDS], cells: usize) {
         let mut halves = [*median; 2];
+        let fours = words(median, words_of(cells));
         let median = &median[..cells];
         let mut right_view = RightView::new(config, cells);
         let (mut stretch, mut done) = (right_view.left_margin(median), 0);
         let mut before = u32::from(median.first().copied().unwrap_or(0)) << 24;
-        let (fours, rest) = median.as_chunks::<4>();
-        let rest =
-            (!rest.is_empty()).then(|| core::array::from_fn(|i| rest.get(i).or(rest.last()).copied().unwrap_or(0)));
-        for (four, &labels) in fours.iter().chain(&rest).enumerate() {
+        for (four, &labels) in fours.iter().enumerate() {
             let here = u32::from_le_bytes(labels);
             // Set in the lanes of the cells that a jump is before.
             let jumps = select_ge(difference(here, here << 8 | before >> 24), splat(2), ONES, 0);
@@ -227,7 +225,7 @@ impl<const WORDS: usize> AnswerRow<WORDS> {
             let at = |label: u8| (column - i32::from(label)).cast_unsigned() as usize;
             let here = column - i32::from(b);
             if here > leftmost + OUT_OF_ORDER {
-                *confidence = min(u32::from_le_bytes(*confidence), splat(MOST_DOUBTFUL)).to_le_bytes();
+                limit(confidence, MOST_DOUBTFUL);
             }
             leftmost = leftmost.min(here);
             if a == b {
@@ -290,7 +288,7 @@ impl<const WORDS: usize> AnswerRow<WORDS> {
         for (label, confidence) in median[cells.clone()].iter().zip(&mut self.confidence[cells]) {
             let agrees = |other: Option<&u8>| other.is_some_and(|other| other.abs_diff(*label) <= NEAR);
             if !(agrees(before) && agrees(after)) {
-                *confidence = min(u32::from_le_bytes(*confidence), splat(GUESS)).to_le_bytes();
+                limit(confidence, GUESS);
             }
         }
     }
@@ -304,8 +302,7 @@ impl<const WORDS: usize> AnswerRow<WORDS> {
         let after = (next < cells).then(|| self.pixels[next][0] as i16);
         if next < cells {
             // Its window reaches into what is hidden.
-            let confidence = min(u32::from_le_bytes(self.confidence[next]), splat(MOST_DOUBTFUL));
-            self.confidence[next] = confidence.to_le_bytes();
+            limit(&mut self.confidence[next], MOST_DOUBTFUL);
         }
         let Some(farther) = before.into_iter().chain(after).min() else { return };
         let value = pair_of(farther.into());
@@ -342,6 +339,12 @@ impl<const WORDS: usize> AnswerRow<WORDS> {
             *out = [a, a >> 16, b, b >> 16].map(|bits| Disparity::from_bits(bits as u16 as i16));
         }
     }
+}
+
+/// Limits the confidence of the four columns of a cell.
+#[inline(always)]
+fn limit(confidence: &mut [u8; 4], most: u32) {
+    *confidence = min(u32::from_le_bytes(*confidence), splat(most)).to_le_bytes();
 }
 
 /// What [`divided`] adds.
