@@ -16,9 +16,10 @@ use crate::answer::median::{MOST_DOUBTFUL, confidences, medians};
 use crate::answer::neighbourhood::{words, words_of};
 use crate::answer::right_view::{RightView, Stretch, columns};
 use crate::front_end::camera_view::Row;
+use crate::lanes::answer_rows::{PixelPair, PlanePairs, WordAligned, lay_planes, write_moved};
 use crate::lanes::rows::window_sad;
 use crate::lanes::{
-    ONES, add_halves, difference, held, min, select_ge, signed_max_halves, splat, splat_half, sub_halves,
+    ONES, add_halves, difference, min, select_ge, signed_max_halves, splat, splat_half, sub_halves,
 };
 use crate::{Config, Disparity};
 
@@ -41,7 +42,7 @@ pub(crate) struct AnswerRow<const WORDS: usize> {
     /// What the lower row has more than the middle, the upper one less, in the same unit.
     slope: [i16; WORDS],
     /// Confidence of the four columns.
-    pub(crate) confidence: [[u8; 4]; WORDS],
+    pub(crate) confidence: WordAligned<[[u8; 4]; WORDS]>,
 }
 
 /// What the answers of a cell row are made of.
@@ -57,7 +58,7 @@ pub(crate) struct Sources<'a, const WORDS: usize> {
 }
 
 impl<const WORDS: usize> AnswerRow<WORDS> {
-    pub(crate) const EMPTY: Self = Self { pixels: [[0; 2]; WORDS], slope: [0; WORDS], confidence: [[0; 4]; WORDS] };
+    pub(crate) const EMPTY: Self = Self { pixels: [[0; 2]; WORDS], slope: [0; WORDS], confidence: WordAligned([[0; 4]; WORDS]) };
 
     /// Answers a cell row.
     pub(crate) fn answer(&mut self, config: &Config, sources: &Sources<'_, WORDS>) {
@@ -74,7 +75,7 @@ impl<const WORDS: usize> AnswerRow<WORDS> {
     fn survey(&mut self, sources: &Sources<'_, WORDS>, cells: usize, median: &mut [u8; WORDS]) {
         let mut price = [0; WORDS];
         medians(sources.rows, cells, median, &mut price);
-        let columns = self.confidence.as_chunks_mut::<4>().0;
+        let columns = self.confidence.0.as_chunks_mut::<4>().0;
         let columns = &mut columns[..words_of(cells)];
         confidences(sources.rows, cells, &price, &sources.worth.bonus, sources.sure, |i, certain| {
             // What is finer than a step says nothing, and costs room in packets.
@@ -87,42 +88,33 @@ impl<const WORDS: usize> AnswerRow<WORDS> {
     #[inline(never)]
     fn lay_planes(&mut self, config: &Config, rows: [&CellRow<WORDS>; 3], median: &[u8; WORDS], cells: usize) {
         let count = cells.div_ceil(2);
-        let row = &rows[1].value[..cells];
-        let values = rows.map(|row| &row.value.as_chunks::<2>().0[..count]);
-        let slopes = &rows[1].slope.as_chunks::<2>().0[..count];
-        let labels = &rows[1].label.as_chunks::<2>().0[..count];
-        let medians = &median.as_chunks::<2>().0[..count];
-        let (pixels, downs) =
-            (&mut self.pixels.as_chunks_mut::<2>().0[..count], &mut self.slope.as_chunks_mut::<2>().0[..count]);
-        let same = held(SAME_SURFACES);
-        // What makes disparities of values that are divided by 16.
-        let base = Disparity::from_px(config.min_disparity).into_bits() - HALF as i16 / 16;
-        let [base_less, base_more] =
-            [raised(7) as i16, -(raised(7) as i16)].map(|raised| pair_of((base + raised).into()));
-        for i in 0..count {
-            let (mut here, mut across) = (word(values[1][i]), word(slopes[i].map(i16::cast_unsigned)));
-            if u16::from_le_bytes(medians[i]) != u16::from_le_bytes(labels[i]) {
-                for half in 0..2 {
-                    if medians[i][half] != labels[i][half] {
-                        let (value, slope) = outvoted(row, 2 * i + half, medians[i][half]);
-                        let keep = 0xffff_0000 >> (16 * half);
-                        here = here & keep | (value.cast_unsigned() & 0xffff) << (16 * half);
-                        across = across & keep | (slope.cast_unsigned() & 0xffff) << (16 * half);
+        let (mut value, mut slope) = (rows[1].value, rows[1].slope);
+        // Some cells take the label of their neighbours.
+        let labels = words(&rows[1].label, words_of(cells)).iter().zip(words(median, words_of(cells)));
+        for (four, (labels, medians)) in labels.enumerate() {
+            if labels != medians {
+                for lane in 0..4 {
+                    let cell = 4 * four + lane;
+                    if medians[lane] != labels[lane] && cell < cells {
+                        (value[cell], slope[cell]) = outvoted(&rows[1].value[..cells], cell, medians[lane]);
                     }
                 }
             }
-            let (here, down) = blend_pair(same, here, word(values[0][i]), word(values[2][i]));
-            // A quarter of the slope lies between two columns. Each is rounded on its own: so a packet tells a cell by three
-            // small numbers.
-            let middle = add_halves(here >> 3 & 0x1fff_1fff, splat_half(1)) >> 1 & 0x0fff_0fff;
-            let (less, more) = (add_halves(middle, base_less), add_halves(middle, base_more));
-            let near = divided::<7>(across);
-            let far = divided::<7>(add_halves(add_halves(across, across), across));
-            let [a, b, c, d] =
-                [sub_halves(less, far), sub_halves(less, near), add_halves(more, near), add_halves(more, far)];
-            pixels[i] =
-                [[a & 0xffff | b << 16, c & 0xffff | d << 16], [a >> 16 | b & 0xffff_0000, c >> 16 | d & 0xffff_0000]];
-            downs[i] = halves(sub_halves(divided::<6>(down), splat_half(raised(6)))).map(u16::cast_signed);
+        }
+        // What makes disparities of values that are divided by 16.
+        let base = Disparity::from_px(config.min_disparity).into_bits() - HALF as i16 / 16;
+        let planes = PlanePairs {
+            values: [&rows[0].value, &value, &rows[2].value].map(|row| &row.as_chunks::<2>().0[..count]),
+            slopes: &slope.as_chunks::<2>().0[..count],
+            same: SAME_SURFACES,
+            bases: [raised(7) as i16, -(raised(7) as i16)].map(|raised| pair_of((base + raised).into())),
+            raised: splat_half(raised(6)),
+        };
+        let (pixels, downs) =
+            (&mut self.pixels.as_chunks_mut::<2>().0[..count], &mut self.slope.as_chunks_mut::<2>().0[..count]);
+        let laid = lay_planes(&planes, pixels, downs);
+        for i in laid..count {
+            (pixels[i], downs[i]) = lay_pair(&planes, i);
         }
     }
 
@@ -221,7 +213,7 @@ impl<const WORDS: usize> AnswerRow<WORDS> {
         // like what only the right view sees at the thing's other side.
         let mut leftmost = i32::MAX - OUT_OF_ORDER;
         let labels = left.iter().zip(right).zip(columns(cells.clone(), origin));
-        for (((&a, &b), column), confidence) in labels.zip(&mut self.confidence[cells.clone()]).rev() {
+        for (((&a, &b), column), confidence) in labels.zip(&mut self.confidence.0[cells.clone()]).rev() {
             let at = |label: u8| (column - i32::from(label)).cast_unsigned() as usize;
             let here = column - i32::from(b);
             if here > leftmost + OUT_OF_ORDER {
@@ -249,8 +241,8 @@ impl<const WORDS: usize> AnswerRow<WORDS> {
                 }
                 seen_before = Some(c);
             } else {
-                let confidence = u32::from_le_bytes(self.confidence[c]) & !mask | splat(GUESS) & mask;
-                self.confidence[c] = confidence.to_le_bytes();
+                let confidence = u32::from_le_bytes(self.confidence.0[c]) & !mask | splat(GUESS) & mask;
+                self.confidence.0[c] = confidence.to_le_bytes();
                 first_hidden = first_hidden.or(Some(c));
             }
         }
@@ -285,7 +277,7 @@ impl<const WORDS: usize> AnswerRow<WORDS> {
         const NEAR: u8 = 2;
         let before = cells.start.checked_sub(1).and_then(|before| median.get(before));
         let after = median.get(cells.end);
-        for (label, confidence) in median[cells.clone()].iter().zip(&mut self.confidence[cells]) {
+        for (label, confidence) in median[cells.clone()].iter().zip(&mut self.confidence.0[cells]) {
             let agrees = |other: Option<&u8>| other.is_some_and(|other| other.abs_diff(*label) <= NEAR);
             if !(agrees(before) && agrees(after)) {
                 limit(confidence, GUESS);
@@ -302,12 +294,12 @@ impl<const WORDS: usize> AnswerRow<WORDS> {
         let after = (next < cells).then(|| self.pixels[next][0] as i16);
         if next < cells {
             // Its window reaches into what is hidden.
-            limit(&mut self.confidence[next], MOST_DOUBTFUL);
+            limit(&mut self.confidence.0[next], MOST_DOUBTFUL);
         }
         let Some(farther) = before.into_iter().chain(after).min() else { return };
         let value = pair_of(farther.into());
         for c in hidden {
-            for (i, &confidence) in self.confidence[c].iter().enumerate() {
+            for (i, &confidence) in self.confidence.0[c].iter().enumerate() {
                 if u32::from(confidence) == GUESS {
                     let pair = &mut self.pixels[c][i / 2];
                     *pair = if i % 2 == 0 { *pair & !LEFT | value & LEFT } else { *pair & LEFT | value & !LEFT };
@@ -320,25 +312,48 @@ impl<const WORDS: usize> AnswerRow<WORDS> {
     #[inline(never)]
     pub(crate) fn write(&self, is_lower: bool, config: &Config, out: &mut [[Disparity; 4]; WORDS]) {
         if is_lower {
-            self.write_row(config, out, add_halves);
+            self.write_row::<true>(config, out);
         } else {
-            self.write_row(config, out, sub_halves);
+            self.write_row::<false>(config, out);
         }
     }
 
-    /// Writes the disparities of a row, `moved` from the middle of the cells by their slope.
+    /// Writes the disparities of a row, moved from the middle of the cells by their slope, down or up.
     #[inline(always)]
-    fn write_row(&self, config: &Config, out: &mut [[Disparity; 4]; WORDS], moved: fn(u32, u32) -> u32) {
+    fn write_row<const DOWN: bool>(&self, config: &Config, out: &mut [[Disparity; 4]; WORDS]) {
         let cells = usize::from(config.width).div_ceil(4);
         // Nothing is farther than the least disparity searched.
         let least = pair_of(Disparity::from_px(config.min_disparity).into_bits().into());
-        let rows = self.pixels[..cells].iter().zip(&self.slope[..cells]).zip(&mut out[..cells]);
-        for ((pixels, &slope), out) in rows {
-            let slope = pair_of(slope.into());
-            let [a, b] = pixels.map(|pair| signed_max_halves(moved(pair, slope), least));
-            *out = [a, a >> 16, b, b >> 16].map(|bits| Disparity::from_bits(bits as u16 as i16));
+        let (pixels, slopes, out) = (&self.pixels[..cells], &self.slope[..cells], &mut out[..cells]);
+        let pairs = out.as_chunks_mut().0;
+        let done = 2 * write_moved::<DOWN>(pixels.as_chunks().0, slopes.as_chunks().0, least, pairs);
+        for cell in done..cells {
+            let slope = pair_of(slopes[cell].into());
+            let [a, b] = pixels[cell].map(|pair| {
+                let moved = if DOWN { add_halves(pair, slope) } else { sub_halves(pair, slope) };
+                signed_max_halves(moved, least)
+            });
+            out[cell] = [a, a >> 16, b, b >> 16].map(|bits| Disparity::from_bits(bits as u16 as i16));
         }
     }
+}
+
+/// The plane through a pair of cells: its pixels, and what the lower row has more.
+#[inline(always)]
+fn lay_pair(planes: &PlanePairs<'_>, i: usize) -> (PixelPair, [i16; 2]) {
+    let [above, here, below] = planes.values.map(|row| word(row[i]));
+    let across = word(planes.slopes[i].map(i16::cast_unsigned));
+    let (here, down) = blend_pair(planes.same, here, above, below);
+    // A quarter of the slope lies between two columns. Each is rounded on its own: so a packet tells a cell by three
+    // small numbers.
+    let middle = add_halves(here >> 3 & 0x1fff_1fff, splat_half(1)) >> 1 & 0x1fff_1fff;
+    let [less, more] = planes.bases.map(|base| add_halves(middle, base));
+    let near = divided::<7>(across);
+    let far = divided::<7>(add_halves(add_halves(across, across), across));
+    let [a, b, c, d] = [sub_halves(less, far), sub_halves(less, near), add_halves(more, near), add_halves(more, far)];
+    let pixels =
+        [[a & 0xffff | b << 16, c & 0xffff | d << 16], [a >> 16 | b & 0xffff_0000, c >> 16 | d & 0xffff_0000]];
+    (pixels, halves(sub_halves(divided::<6>(down), planes.raised)).map(u16::cast_signed))
 }
 
 /// Limits the confidence of the four columns of a cell.
@@ -360,13 +375,15 @@ fn divided<const BITS: u32>(numbers: u32) -> u32 {
 
 /// The value of a cell that takes the label of its neighbours, and its slope along the row.
 #[inline(never)]
-fn outvoted(row: &[u16], cell: usize, label: u8) -> (i32, i32) {
+fn outvoted(row: &[u16], cell: usize, label: u8) -> (u16, i16) {
     let here = (i32::from(label) << 8) + HALF.cast_signed();
     let beside = |value: Option<&u16>| {
         let value = value.map(|&value| i32::from(value));
         (value.unwrap_or(0), value.is_some_and(|value| is_same_surface(value, here)))
     };
-    blend(here, [beside(cell.checked_sub(1).and_then(|before| row.get(before))), beside(row.get(cell + 1))])
+    let neighbours = [beside(cell.checked_sub(1).and_then(|before| row.get(before))), beside(row.get(cell + 1))];
+    let (value, slope) = blend(here, neighbours);
+    (value as u16, slope as i16)
 }
 
 /// Two numbers of 16 bits in a word.

@@ -44,22 +44,24 @@ pub(crate) fn label(sums: u32, labels: u32) -> u8 {
 pub(crate) fn winner(sums: u32, labels: u32, costs: u32, beside: u32) -> Cell {
     let bits = zero_lane_bits(sums);
     let label = u32::from(byte(labels >> bits));
+    // One step to either side is the same surface. The label itself limits the margin.
+    let margin;
     let mut fraction = 0;
-    if byte(beside >> bits) != u8::MAX {
-        // Neither the first lane nor the last.
-        let total = add(sums, costs).rotate_right(bits.wrapping_sub(8));
-        let [before, here, after, _] = total.to_le_bytes().map(i32::from);
+    if byte(beside >> bits) == u8::MAX {
+        let distance = difference(labels, splat(label));
+        margin = u32::from(byte(least(select_ge(distance, splat(2), sums, splat(MOST_MARGIN)))));
+    } else {
+        // Neither the first lane nor the last: turned, these are the lanes before, here and after; what is left is further away.
+        let turn = bits.wrapping_sub(8);
+        margin = (sums.rotate_right(turn) >> 24).min(MOST_MARGIN);
+        let [before, here, after, _] = add(sums, costs).rotate_right(turn).to_le_bytes().map(i32::from);
         let rise = before.max(after) - here;
         if rise > 0 {
             fraction = quotient((before - after) * 128, rise).clamp(-128, 127);
         }
     }
-    // One step to either side is the same surface. The label itself limits the margin.
-    let distance = difference(labels, splat(label));
-    let rivals = select_ge(distance, splat(2), sums, splat(MOST_MARGIN));
-    let margin = i32::from(byte(least(rivals)));
     let cost = i32::from(byte(costs >> bits));
-    let merit = limited_to_byte(128 + margin - 2 * cost);
+    let merit = limited_to_byte(128 + margin.cast_signed() - 2 * cost);
     Cell { label: byte(label), value: ((label << 8) + HALF).wrapping_add_signed(fraction) as u16, merit: merit as u8 }
 }
 

@@ -127,6 +127,13 @@ impl<const WORDS: usize> Evidence<WORDS> {
         self.len
     }
 
+    /// Of the newest row, four cells a word: absolute differences at the answer, and magnitudes of the features.
+    pub(crate) fn newest(&self, cells: usize) -> impl ExactSizeIterator<Item = [&[u8; 4]; 2]> {
+        let row = &self.rows[(self.len.saturating_sub(1) % 3) as usize];
+        let count = words_of(cells);
+        words(&row.fit, count).iter().zip(words(&row.strength, count)).map(|(fit, strength)| [fit, strength])
+    }
+
     /// Measures the cells of the next row.
     ///
     /// - `left`, `right`: its two feature rows of either view; `labels`: what it answers.

@@ -6,6 +6,8 @@
 
 #[cfg(haarline_dsp)]
 mod cortex_m;
+#[cfg(haarline_dsp)]
+mod cortex_m_rows;
 #[cfg(any(not(any(haarline_dsp, haarline_sse2)), test))]
 #[cfg_attr(any(haarline_dsp, haarline_sse2), allow(dead_code, reason = "what the others are held against"))]
 mod portable;
@@ -18,6 +20,8 @@ mod x86_64_rows;
 
 #[cfg(haarline_dsp)]
 pub(crate) use cortex_m::*;
+#[cfg(haarline_dsp)]
+use cortex_m_rows::*;
 #[cfg(not(any(haarline_dsp, haarline_sse2)))]
 pub(crate) use portable::*;
 #[cfg(haarline_sse2)]
@@ -25,6 +29,7 @@ pub(crate) use x86_64::*;
 #[cfg(haarline_sse2)]
 use x86_64_rows::{gradient_across_fours, gradient_down_fours};
 
+pub(crate) mod answer_rows;
 pub(crate) mod evidence_rows;
 pub(crate) mod lens_runs;
 pub(crate) mod rows;

@@ -12,6 +12,7 @@ use crate::answer::repetition::Repetition;
 use crate::front_end::camera_view::{CameraView, FeatureRows, TILE_ROWS, words_for};
 use crate::front_end::exposure::{Exposure, Gain};
 use crate::front_end::noise::{Noise, NoiseHistogram, SmoothingLevel};
+use crate::lanes::answer_rows::WordAligned;
 use crate::lanes::rows::Clips;
 use crate::matching::agreement::Penalties;
 use crate::matching::alone::Alone;
@@ -65,7 +66,7 @@ pub struct Tiled<M: Matching, const BLOCKS: usize, C = Untimed> {
     sums: FrameSums,
     /// Those of the last frame that ended.
     figures: Option<FrameFigures>,
-    disparity: [[Disparity; 4]; BLOCKS],
+    disparity: WordAligned<[[Disparity; 4]; BLOCKS]>,
     /// Rows of this frame pushed or missed so far.
     rows: u32,
     /// Cell rows answered, and rows delivered so far.
@@ -126,7 +127,7 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> Tiled<M, BLOCKS, C> {
             answer: AnswerRow::EMPTY,
             sums: FrameSums::default(),
             figures: None,
-            disparity: [[Disparity::UNKNOWN; 4]; BLOCKS],
+            disparity: WordAligned([[Disparity::UNKNOWN; 4]; BLOCKS]),
             rows: 0,
             answered: 0,
             delivered: 0,
@@ -221,7 +222,9 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> Tiled<M, BLOCKS, C> {
         let tiles = self.tiles();
         let views = [self.left.tiles(tile_row), self.right.tiles(tile_row)];
         self.seeds.pair(&self.config, views, tiles);
-        self.repetition.observe(self.seeds.left_contours());
+        if tile_row.is_multiple_of(2) {
+            self.repetition.observe(self.seeds.left_contours());
+        }
         let range = self.config.num_disparities;
         match self.parts.seeds {
             Seeds::Contours => {}
@@ -353,7 +356,7 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> Tiled<M, BLOCKS, C> {
         };
         self.answer.answer(&self.config, &sources);
         if FrameSums::is_sampled(row / 2) {
-            self.sums.count_sure(&self.answer.confidence[..cells]);
+            self.sums.count_sure(&self.answer.confidence.0[..cells]);
         }
         self.answered += 1;
     }
@@ -364,8 +367,7 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> Tiled<M, BLOCKS, C> {
         let labels = &self.cells.row(row).label[..usize::from(self.config.width).div_ceil(4)];
         self.evidence.measure(&self.config, rows, labels, floor, &self.repetition);
         if FrameSums::is_sampled(row / 2) {
-            let rows = rows.map(|view| view.each_ref().map(|row| &row[..]));
-            self.sums.add(rows, labels, self.config.min_disparity, floor);
+            self.sums.add(self.evidence.newest(labels.len()), floor);
         }
     }
 
@@ -385,10 +387,10 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> Tiled<M, BLOCKS, C> {
             sink(DisparityRow { y, disparity, confidence });
             return;
         }
-        self.answer.write(y % CELL_HEIGHT == 1, &self.config, &mut self.disparity);
+        self.answer.write(y % CELL_HEIGHT == 1, &self.config, &mut self.disparity.0);
         self.clock.enter(Stage::Output);
-        let disparity = &self.disparity.as_flattened()[..width];
-        sink(DisparityRow { y, disparity, confidence: &self.answer.confidence.as_flattened()[..width] });
+        let disparity = &self.disparity.0.as_flattened()[..width];
+        sink(DisparityRow { y, disparity, confidence: &self.answer.confidence.0.as_flattened()[..width] });
     }
 
     /// Takes the exposure of some pixels of the row that comes.

@@ -7,8 +7,7 @@
 
 use crate::ScanlinePair;
 use crate::answer::evidence::Floor;
-use crate::lanes::rows::load;
-use crate::lanes::{sad, sad_add, splat};
+use crate::lanes::{add_halves, sad_add, select_ge_halves, splat_half};
 
 /// With a greater mismatch, less a tenth of the share of sure answers, per mille, it is no stereo pair. Of the 36 recorded
 /// scenes clean, in noise 5, noise 10 and low light, `full` and `lite`, right ones have at most 197 but for two (these, lit
@@ -135,37 +134,31 @@ impl FrameSums {
         row.is_multiple_of(SAMPLING)
     }
 
-    /// Takes a row of cells.
-    ///
-    /// - `left`, `right`: its two feature rows of either view, a word a cell after the margin; `labels`: what it answers,
-    ///   disparities less `min_disparity`.
+    /// Takes a row of cells, four a word: sums of absolute differences at what they answer, and of the magnitudes of their
+    /// features.
     #[inline(never)]
-    pub(crate) fn add(&mut self, [left, right]: [[&[u32]; 2]; 2], labels: &[u8], min_disparity: i16, floor: Floor) {
-        let zero = splat(floor.zero);
+    pub(crate) fn add<'a>(&mut self, cells: impl ExactSizeIterator<Item = [&'a [u8; 4]; 2]>, floor: Floor) {
         // Features are limited: where noise alone comes near that, it has to do.
         let most = 255_u32.saturating_sub(floor.zero);
-        let least = floor.noise.saturating_mul(2).min(10 * most);
-        let much = if floor.is_drowned { u32::MAX } else { floor.noise.saturating_mul(3).min(12 * most) };
+        let least = splat_half(floor.noise.saturating_mul(2).min(10 * most));
+        let much = splat_half(if floor.is_drowned { 0xffff } else { floor.noise.saturating_mul(3).min(12 * most) });
+        // The windows of two cells, two a word; at most 160 of them.
+        let windows = |cells: &[u8; 4]| {
+            let cells = u32::from_le_bytes(*cells);
+            add_halves(cells & 0x00ff_00ff, cells >> 8 & 0x00ff_00ff)
+        };
+        self.windows = self.windows.saturating_add(2 * u32::try_from(cells.len()).unwrap_or(0));
         let (mut difference, mut strength, mut seen) = (0, 0, 0);
-        let pairs = labels.as_chunks::<2>().0;
-        let rows = left.map(|row| row.get(1..).unwrap_or(&[]).as_chunks::<2>().0);
-        let mut column = 4 - i32::from(min_disparity);
-        for ((&[a, b], &[c, d]), &[first, second]) in rows[0].iter().zip(rows[1]).zip(pairs) {
-            let here = sad_add(d, zero, sad_add(c, zero, sad_add(b, zero, sad(a, zero))));
-            if here >= least {
-                let at = |label: u8, columns: i32| (column + columns - i32::from(label)).cast_unsigned() as usize;
-                let (first, second) = (at(first, 0), at(second, 4));
-                let off = sad_add(c, load(right[1], first), sad(a, load(right[0], first)));
-                difference += sad_add(d, load(right[1], second), sad_add(b, load(right[0], second), off));
-                strength += here;
-                seen += u32::from(here >= much);
-            }
-            column += 8;
+        for cells in cells {
+            let [off, here] = cells.map(windows);
+            difference = add_halves(difference, select_ge_halves(here, least, off, 0));
+            strength = add_halves(strength, select_ge_halves(here, least, here, 0));
+            seen = add_halves(seen, select_ge_halves(here, much, splat_half(1), 0));
         }
-        self.windows = self.windows.saturating_add(u32::try_from(pairs.len()).unwrap_or(0));
-        self.seen = self.seen.saturating_add(seen);
-        self.difference += u64::from(difference);
-        self.strength += u64::from(strength);
+        let both = |halves: u32| (halves & 0xffff) + (halves >> 16);
+        self.seen = self.seen.saturating_add(both(seen));
+        self.difference += u64::from(both(difference));
+        self.strength += u64::from(both(strength));
     }
 
     /// Takes the confidences of the columns of a row of cells.

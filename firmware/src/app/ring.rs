@@ -68,7 +68,12 @@ pub enum ResultKind {
 }
 
 /// Two disparity rows on their way out, one below the other, or what stands in their place.
+#[repr(C, align(4))]
 pub struct ResultRows {
+    /// Disparity of each pixel. These two come first, at words: so they are copied by words.
+    pub disparity: [[Disparity; MAX_WIDTH]; 2],
+    /// Confidence of each pixel.
+    pub confidence: [[u8; MAX_WIDTH]; 2],
     /// Which it is.
     pub kind: ResultKind,
     /// Where the first row belongs.
@@ -77,10 +82,6 @@ pub struct ResultRows {
     pub count: usize,
     /// Columns that count.
     pub width: usize,
-    /// Disparity of each pixel.
-    pub disparity: [[Disparity; MAX_WIDTH]; 2],
-    /// Confidence of each pixel.
-    pub confidence: [[u8; MAX_WIDTH]; 2],
     /// What had happened when it was made.
     pub counters: Counters,
     /// Of an end: what became of the frame.
