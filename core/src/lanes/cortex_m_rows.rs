@@ -5,6 +5,7 @@ use core::arch::asm;
 
 use super::answer_rows::{PixelPair, PlanePairs};
 use super::evidence_rows::{CellSums, CellWindows};
+use super::trials::Trial;
 
 /// Instructions that limit the gradient in `t` twice, add up and leave the sum in `t`, or that limit it once.
 macro_rules! limited {
@@ -221,6 +222,51 @@ pub(crate) unsafe fn tile_sad_words<const WORDS: usize>(left: *const u32, right:
         );
     }
     [a, b, c, d]
+}
+
+/// Works out the sums of trials, of which the labels are known, at the windows of eight columns so many bytes before `origin`.
+///
+/// # Safety
+/// There must be a trial; both views must be readable for two words in each of the four rows, `WORDS` words apart, the right
+/// one for each label; there may be [`MOST_TILE_SAD_WORDS`] words at most.
+#[inline(always)]
+pub(crate) unsafe fn try_labels<const WORDS: usize>(left: *const u32, origin: *const u8, trials: &mut [Trial]) {
+    let trials = trials.as_mut_ptr_range();
+    // SAFETY: reads what the caller promises, and writes the trials.
+    unsafe {
+        asm!(
+            "2:",
+            "ldr {r}, [{trial}]",
+            "uxtb {r}, {r}",
+            "sub {r}, {origin}, {r}",
+            "ldrd {x}, {y}, [{l}]", "ldr {v}, [{r}]", "ldr {w}, [{r}, #4]",
+            "usad8 {a}, {x}, {v}", "usad8 {b}, {y}, {w}",
+            "ldrd {x}, {y}, [{l}, #{one}]", "ldr {v}, [{r}, #{one}]", "ldr {w}, [{r}, #{one} + 4]",
+            "usada8 {a}, {x}, {v}, {a}", "usada8 {b}, {y}, {w}, {b}",
+            "orr {a}, {a}, {b}, lsl #16",
+            "ldrd {x}, {y}, [{l}, #{two}]", "ldr {v}, [{r}, #{two}]", "ldr {w}, [{r}, #{two} + 4]",
+            "usad8 {b}, {x}, {v}", "usad8 {c}, {y}, {w}",
+            "ldrd {x}, {y}, [{l}, #{three}]", "ldr {v}, [{r}, #{three}]", "ldr {w}, [{r}, #{three} + 4]",
+            "usada8 {b}, {x}, {v}, {b}", "usada8 {c}, {y}, {w}, {c}",
+            "orr {b}, {b}, {c}, lsl #16",
+            "ldr {r}, [{trial}]",
+            "strd {a}, {b}, [{trial}, #4]",
+            // The sum of all four cells, in front of place and label.
+            "add {a}, {a}, {b}",
+            "uxth {b}, {a}",
+            "add {a}, {b}, {a}, lsr #16",
+            "add {r}, {r}, {a}, lsl #12",
+            "str {r}, [{trial}], #16",
+            "cmp {trial}, {end}",
+            "bne 2b",
+            trial = inout(reg) trials.start => _, end = in(reg) trials.end, l = in(reg) left, origin = in(reg) origin,
+            a = out(reg) _, b = out(reg) _, c = out(reg) _, r = out(reg) _,
+            x = out(reg) _, y = out(reg) _, v = out(reg) _, w = out(reg) _,
+            one = const { tile_sad_offset(WORDS) }, two = const { 2 * tile_sad_offset(WORDS) },
+            three = const { 3 * tile_sad_offset(WORDS) },
+            options(nostack)
+        );
+    }
 }
 
 /// Sums of a cell: its own words, the next ones, where those after them come, and the place in the row.

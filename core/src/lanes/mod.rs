@@ -7,6 +7,8 @@
 #[cfg(haarline_dsp)]
 mod cortex_m;
 #[cfg(haarline_dsp)]
+mod cortex_m_column;
+#[cfg(haarline_dsp)]
 mod cortex_m_rows;
 #[cfg(any(not(any(haarline_dsp, haarline_sse2)), test))]
 #[cfg_attr(any(haarline_dsp, haarline_sse2), allow(dead_code, reason = "what the others are held against"))]
@@ -21,6 +23,8 @@ mod x86_64_rows;
 #[cfg(haarline_dsp)]
 pub(crate) use cortex_m::*;
 #[cfg(haarline_dsp)]
+pub(crate) use cortex_m_column::decide_column;
+#[cfg(haarline_dsp)]
 use cortex_m_rows::*;
 #[cfg(not(any(haarline_dsp, haarline_sse2)))]
 pub(crate) use portable::*;
@@ -30,9 +34,11 @@ pub(crate) use x86_64::*;
 use x86_64_rows::{gradient_across_fours, gradient_down_fours};
 
 pub(crate) mod answer_rows;
+pub(crate) mod columns;
 pub(crate) mod evidence_rows;
 pub(crate) mod lens_runs;
 pub(crate) mod rows;
+pub(crate) mod trials;
 
 /// One in each lane.
 pub(crate) const ONES: u32 = 0x0101_0101;

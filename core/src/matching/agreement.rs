@@ -7,6 +7,7 @@
 #[cfg(haarline_sse2)]
 pub(crate) mod quad;
 
+use crate::lanes::columns::Steps;
 use crate::lanes::{ONES, add, difference, least, min, select_ge, splat, sub, wrapping_sub};
 
 /// What a change of the label from one cell to the next costs.
@@ -18,26 +19,15 @@ pub struct Penalties {
     jump: u32,
 }
 
-/// What a step from one label of a tile to the next one costs: the slope's price where that is one more, else 255.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Steps {
-    /// From the label of a lane to that of the next one.
-    up: u32,
-    /// From the label of a lane to that of the one before.
-    down: u32,
-}
-
-impl Steps {
-    /// Less than 255 in the lanes whose neighbours are the labels one less and one more.
-    #[inline(always)]
-    pub(crate) const fn both(self) -> u32 {
-        self.up | self.down
-    }
-}
-
 impl Penalties {
     pub(crate) const fn new(slope: u32, jump: u32) -> Self {
         Self { slope, jump: splat(jump) }
+    }
+
+    /// What a change by more than one costs, in each lane.
+    #[cfg(haarline_dsp)]
+    pub(crate) const fn jump(self) -> u32 {
+        self.jump
     }
 
     /// What each of `labels` pays for not being `other`.

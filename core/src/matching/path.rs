@@ -10,27 +10,16 @@
 #[cfg(haarline_sse2)]
 pub(crate) mod quad;
 
-use crate::answer::cell::{label, winner};
+#[cfg(not(haarline_dsp))]
+use crate::answer::cell::label;
+use crate::answer::cell::winner;
 use crate::answer::cell_row::CellRow;
 use crate::lanes::add;
+use crate::lanes::columns::{Column, Decided, Steps};
+#[cfg(haarline_dsp)]
+use crate::lanes::decide_column;
 use crate::matching::agreement::{Penalties, extend, normalised};
 use crate::matching::tile::Tile;
-
-/// Four columns of a row of tiles: two cells, one above the other.
-#[derive(Debug, Clone, Copy)]
-struct Column {
-    /// Labels of the tile in its left column, of the tile above in its right one.
-    labels: u32,
-    /// Costs of the upper and the lower cell.
-    costs: [u32; 2],
-    /// Sums of the paths along the row.
-    along: [u32; 2],
-    /// Of the lower cell above: sums of the path from the top and then what they tell the cell below, sums of all paths so
-    /// far, and its costs.
-    from_top: u32,
-    pending: u32,
-    costs_above: u32,
-}
 
 /// What a row of tiles knows of itself and of the one above.
 #[derive(Debug, Clone)]
@@ -40,8 +29,7 @@ pub struct Paths<const WORDS: usize> {
 
 impl<const WORDS: usize> Paths<WORDS> {
     pub(crate) const fn new() -> Self {
-        let nothing = Column { labels: 0, costs: [0; 2], along: [0; 2], from_top: 0, pending: 0, costs_above: 0 };
-        Self { columns: [nothing; WORDS] }
+        Self { columns: [Column::EMPTY; WORDS] }
     }
 
     /// Takes what the search found of a tile.
@@ -171,22 +159,36 @@ impl<const WORDS: usize> Paths<WORDS> {
             pair[1].labels = labels;
             let steps = penalties.steps(labels);
             for half in 0..2 {
-                let column = &mut pair[half];
-                let [costs, costs_below] = column.costs;
-                let [along, along_below] = column.along;
-                let top = extend(costs, column.from_top);
-                let lower = penalties.same_labels(normalised(along_below), steps);
-                let found = winner(extend(add(along, top), lower), labels, costs, steps.both());
+                let found = decide(&mut pair[half], penalties, steps);
                 value[half] = found.value;
                 upper_label[half] = found.label;
                 merit[half] = found.merit;
-                let lower_top = extend(costs_below, penalties.same_labels(top, steps));
-                let sums = normalised(add(along_below, lower_top));
-                lower_label[half] = label(sums, labels);
-                column.from_top = lower_top;
-                column.pending = sums;
-                column.costs_above = costs_below;
+                lower_label[half] = found.lower_label;
             }
         }
     }
+}
+
+/// Decides the upper cell of a column, whose labels stand in it: its paths along the row, from the top, and from the lower
+/// cell; the lower one for the time being.
+#[cfg(not(haarline_dsp))]
+#[inline(always)]
+fn decide(column: &mut Column, penalties: Penalties, steps: Steps) -> Decided {
+    let [costs, costs_below] = column.costs;
+    let [along, along_below] = column.along;
+    let top = extend(costs, column.from_top);
+    let lower = penalties.same_labels(normalised(along_below), steps);
+    let found = winner(extend(add(along, top), lower), column.labels, costs, steps.both());
+    let lower_top = extend(costs_below, penalties.same_labels(top, steps));
+    let sums = normalised(add(along_below, lower_top));
+    (column.from_top, column.pending, column.costs_above) = (lower_top, sums, costs_below);
+    let lower_label = label(sums, column.labels);
+    Decided { value: found.value, label: found.label, merit: found.merit, lower_label }
+}
+
+/// The same in one piece.
+#[cfg(haarline_dsp)]
+#[inline(always)]
+fn decide(column: &mut Column, penalties: Penalties, steps: Steps) -> Decided {
+    decide_column(column, steps, penalties.jump())
 }

@@ -10,12 +10,8 @@
 
 use crate::Config;
 use crate::front_end::camera_view::Row;
-use crate::lanes::rows::tile_sad;
+use crate::lanes::trials::{Trial, Trials};
 use crate::lanes::{saturated_byte, saturated_halves};
-
-/// Most disparities that a tile tries: seven hypotheses, and the steps of the extremum search. A power of two, so that a
-/// mask keeps places within it.
-const MOST: usize = 16;
 
 /// What the search of the tiles is told.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -93,49 +89,6 @@ pub(crate) struct Tile {
     pub(crate) best: u32,
 }
 
-/// What was tried of a tile, in this order.
-pub(crate) struct Trials {
-    /// Sum of the whole tile, place in the list, label: 20, 4 and 8 bits.
-    keys: [u32; MOST],
-    /// Sums of the four cells, two in a word: the upper and the lower ones.
-    cells: [[u32; 2]; MOST],
-    /// For each label the tile that tried it last, and its place in the list: 12 and 4 bits. The last one stands for no label.
-    places: [u16; PLACES],
-}
-
-/// Places of labels: a power of two, so that a mask keeps within it whatever stands for no label.
-const PLACES: usize = 512;
-
-impl Trials {
-    pub(crate) const fn new() -> Self {
-        Self { keys: [0; MOST], cells: [[0; 2]; MOST], places: [u16::MAX; PLACES] }
-    }
-
-    /// The place of a label, if the tile tried it.
-    #[inline(always)]
-    fn place(&self, tile: usize, label: u32) -> Option<usize> {
-        let place = usize::from(self.places[label as usize % PLACES]);
-        (place >> 4 == tile).then_some(place % MOST)
-    }
-
-    /// Puts a label at a place.
-    #[inline(always)]
-    fn put(&mut self, tile: usize, label: u32, place: usize) {
-        self.places[label as usize % PLACES] = (tile << 4 | place) as u16;
-        self.keys[place % MOST] = label;
-    }
-}
-
-/// The label of a trial.
-const fn label_of(key: u32) -> u32 {
-    key & 0xff
-}
-
-/// The sum of a trial over the whole tile.
-const fn sum_of(key: u32) -> u32 {
-    key >> 12
-}
-
 /// The features of a row of tiles in both views, and what is searched in them.
 #[derive(Clone, Copy)]
 pub(crate) struct TileRow<'a, C, const WORDS: usize> {
@@ -171,7 +124,14 @@ impl<'a, C: CellCost, const WORDS: usize> TileRow<'a, C, WORDS> {
     /// - `hypotheses`: labels to try; those outside the search or the right view are passed over.
     /// - `left`, `above`: what the neighbours decided; more than 255 where there is none.
     #[inline(always)]
-    pub(crate) fn search(&self, trials: &mut Trials, tile: usize, hypotheses: [u32; 7], left: u32, above: u32) -> Tile {
+    pub(crate) fn search(
+        &self,
+        trials: &mut Trials<WORDS>,
+        tile: usize,
+        hypotheses: [u32; 7],
+        left: u32,
+        above: u32,
+    ) -> Tile {
         // Label 0 would begin at this byte of the right row; the window may lie in the margins, not beyond.
         let origin = 8 * tile as i32 + 4 - self.min_disparity;
         let lowest = (origin - self.columns).max(0).cast_unsigned();
@@ -179,71 +139,42 @@ impl<'a, C: CellCost, const WORDS: usize> TileRow<'a, C, WORDS> {
         if highest < lowest {
             return Tile::NOWHERE;
         }
-        let mut hypotheses = hypotheses;
-        if lowest > 0 || highest + 1 < self.num_disparities.cast_unsigned() {
-            for label in &mut hypotheses {
-                if *label < lowest || *label > highest {
-                    *label = u32::MAX;
-                }
-            }
-        }
-        // No label counts as tried.
-        trials.places[PLACES - 1] = (tile << 4) as u16;
-        let mut len = 0;
+        trials.start(tile, origin as usize, lowest, highest);
         for label in hypotheses {
-            if trials.place(tile, label).is_none() {
-                trials.put(tile, label, len);
-                len += 1;
-            }
+            trials.add(label);
         }
-        if len == 0 {
-            trials.put(tile, (lowest + highest) / 2, 0);
-            len = 1;
+        if trials.len() == 0 {
+            trials.add((lowest + highest) / 2);
         }
-        let origin = origin as usize;
-        let mut search = Search { row: self, trials, tile, origin, len, left, above, best: 0, least: u32::MAX };
-        for i in 0..len {
-            let key = search.evaluate(i);
-            search.consider(key);
+        trials.evaluate(0, self.left, self.right);
+        let mut search = Search { row: self, trials, left, above, best: 0, least: u32::MAX };
+        for i in 0..search.trials.len() {
+            search.consider(search.trials.at(i).key);
         }
         // The extremum search with its shortest support: the costs one step before and one after, and a step downhill.
         let start = search.best;
-        let label = label_of(start);
+        let label = Trial::label_of(start);
         if label <= lowest || label >= highest || !self.settings.extremum {
             return search.search_at_end(lowest, highest);
         }
-        let (before, after) = (search.at(label - 1), search.at(label + 1));
+        let tried = search.trials.len();
+        let [before, after] = [label - 1, label + 1].map(|label| search.trials.place_of(label));
+        search.trials.evaluate(tried, self.left, self.right);
+        let [before, after] = [before, after].map(|place| search.trials.at(place).key);
         search.consider(before);
         search.consider(after);
         let second = search.best;
         if second == start {
             return search.keep(start, before, after);
         }
-        let is_down = second == before;
-        let beyond = if is_down { label.wrapping_sub(2) } else { label + 2 };
-        if beyond < lowest || beyond > highest {
-            return search.keep_few(second, if is_down { [None, Some(start)] } else { [Some(start), None] });
-        }
-        let next = search.at(beyond);
-        search.consider(next);
-        if search.best != second {
-            // What lies beyond the last step is not looked at.
-            return search.keep_few(next, if is_down { [None, Some(second)] } else { [Some(second), None] });
-        }
-        let (before, after) = if is_down { (next, start) } else { (start, next) };
-        search.keep(second, before, after)
+        search.step_downhill(start, [before, after], lowest, highest)
     }
 }
 
 /// The search of one tile.
 struct Search<'a, C, const WORDS: usize> {
     row: &'a TileRow<'a, C, WORDS>,
-    trials: &'a mut Trials,
-    tile: usize,
-    /// The byte of the right row that label 0 begins at.
-    origin: usize,
-    /// How many labels are on the list.
-    len: usize,
+    trials: &'a mut Trials<WORDS>,
     /// What the neighbours decided.
     left: u32,
     above: u32,
@@ -256,26 +187,10 @@ impl<C: CellCost, const WORDS: usize> Search<'_, C, WORDS> {
     /// The trial of a label, after trying it if that was not done.
     #[inline(always)]
     fn at(&mut self, label: u32) -> u32 {
-        if let Some(place) = self.trials.place(self.tile, label) {
-            return self.trials.keys[place];
-        }
-        let place = self.len;
-        self.len += 1;
-        self.trials.put(self.tile, label, place);
-        self.evaluate(place)
-    }
-
-    /// Tries the label at a place of the list.
-    #[inline(always)]
-    fn evaluate(&mut self, i: usize) -> u32 {
-        crate::count::evaluations(1);
-        let label = self.trials.keys[i % MOST];
-        let [a, b, c, d] =
-            tile_sad(self.row.left, 2 * self.tile + 1, self.row.right, self.origin.wrapping_sub(label as usize));
-        self.trials.cells[i % MOST] = [a | b << 16, c | d << 16];
-        let key = (a + b + c + d) << 12 | (i as u32) << 8 | label;
-        self.trials.keys[i % MOST] = key;
-        key
+        let tried = self.trials.len();
+        let place = self.trials.place_of(label);
+        self.trials.evaluate(tried, self.row.left, self.row.right);
+        self.trials.at(place).key
     }
 
     /// Makes a trial the best if it is.
@@ -283,13 +198,32 @@ impl<C: CellCost, const WORDS: usize> Search<'_, C, WORDS> {
     fn consider(&mut self, key: u32) {
         let settings = &self.row.settings;
         // What is no better before it pays for its neighbours is none afterwards.
-        if sum_of(key) < self.least {
-            let label = label_of(key);
-            let sum = sum_of(key) + settings.lean(self.left, label) + settings.lean(self.above, label);
+        if Trial::sum_of(key) < self.least {
+            let label = Trial::label_of(key);
+            let sum = Trial::sum_of(key) + settings.lean(self.left, label) + settings.lean(self.above, label);
             if sum < self.least {
                 (self.least, self.best) = (sum, key);
             }
         }
+    }
+
+    /// One more step from the trial before or after `start`, where that is better.
+    #[inline(never)]
+    fn step_downhill(&mut self, start: u32, [before, _]: [u32; 2], lowest: u32, highest: u32) -> Tile {
+        let second = self.best;
+        let is_down = second == before;
+        let beyond = if is_down { Trial::label_of(second).wrapping_sub(1) } else { Trial::label_of(second) + 1 };
+        if beyond < lowest || beyond > highest {
+            return self.keep_few(second, if is_down { [None, Some(start)] } else { [Some(start), None] });
+        }
+        let next = self.at(beyond);
+        self.consider(next);
+        if self.best != second {
+            // What lies beyond the last step is not looked at.
+            return self.keep_few(next, if is_down { [None, Some(second)] } else { [Some(second), None] });
+        }
+        let (before, after) = if is_down { (next, start) } else { (start, next) };
+        self.keep(second, before, after)
     }
 
     /// The extremum step, if it is taken at all, from a label at an end of the range.
@@ -301,7 +235,7 @@ impl<C: CellCost, const WORDS: usize> Search<'_, C, WORDS> {
         }
         let start = self.best;
         let around = |key: u32| {
-            let label = label_of(key);
+            let label = Trial::label_of(key);
             [(label > lowest).then(|| label - 1), (label < highest).then(|| label + 1)]
         };
         let mut sides = around(start).map(|label| label.map(|label| self.at(label)));
@@ -310,7 +244,7 @@ impl<C: CellCost, const WORDS: usize> Search<'_, C, WORDS> {
         }
         if self.best != start {
             let second = self.best;
-            let is_down = label_of(second) < label_of(start);
+            let is_down = Trial::label_of(second) < Trial::label_of(start);
             let next = around(second)[usize::from(!is_down)].map(|label| self.at(label));
             sides = if is_down { [next, Some(start)] } else { [Some(start), next] };
             if let Some(next) = next {
@@ -326,29 +260,29 @@ impl<C: CellCost, const WORDS: usize> Search<'_, C, WORDS> {
     /// The best, those one step before and after it, and the cheapest of the others.
     #[inline(always)]
     fn keep(&self, best: u32, before: u32, after: u32) -> Tile {
-        let three = label_of(best) * 0x0001_0101 + 0x0001_0000 - 1;
+        let three = Trial::label_of(best) * 0x0001_0101 + 0x0001_0000 - 1;
         // These three are on the list.
-        let other = if self.len == 3 { u32::MAX } else { self.cheapest_beside(best) };
+        let other = if self.trials.len() == 3 { u32::MAX } else { self.cheapest_beside(best) };
         if other == u32::MAX {
             // The last label again, at a cost that nobody takes.
-            let labels = three | label_of(after) << 24;
+            let labels = three | Trial::label_of(after) << 24;
             let costs = self.costs([before, best, after, after]).map(|costs| costs | 0xff00_0000);
-            return Tile { labels, costs, best: label_of(best) };
+            return Tile { labels, costs, best: Trial::label_of(best) };
         }
-        let (labels, keys) = if label_of(other) < label_of(best) {
-            (label_of(other) | three << 8, [other, before, best, after])
+        let (labels, keys) = if Trial::label_of(other) < Trial::label_of(best) {
+            (Trial::label_of(other) | three << 8, [other, before, best, after])
         } else {
-            (three | label_of(other) << 24, [before, best, after, other])
+            (three | Trial::label_of(other) << 24, [before, best, after, other])
         };
-        Tile { labels, costs: self.costs(keys), best: label_of(best) }
+        Tile { labels, costs: self.costs(keys), best: Trial::label_of(best) }
     }
 
     /// The trial of the least sum more than a step from the best; the first of equals; [`u32::MAX`] if there is none.
     #[inline(always)]
     fn cheapest_beside(&self, best: u32) -> u32 {
         let mut other = u32::MAX;
-        for &key in &self.trials.keys[..self.len.min(MOST)] {
-            if label_of(key).wrapping_sub(label_of(best)).wrapping_add(1) > 2 {
+        for &Trial { key, .. } in self.trials.list() {
+            if Trial::label_of(key).wrapping_sub(Trial::label_of(best)).wrapping_add(1) > 2 {
                 other = other.min(key);
             }
         }
@@ -361,30 +295,30 @@ impl<C: CellCost, const WORDS: usize> Search<'_, C, WORDS> {
     fn keep_few(&self, best: u32, [before, after]: [Option<u32>; 2]) -> Tile {
         let (below, above) = match self.cheapest_beside(best) {
             u32::MAX => (None, None),
-            other if label_of(other) < label_of(best) => (Some(other), None),
+            other if Trial::label_of(other) < Trial::label_of(best) => (Some(other), None),
             other => (None, Some(other)),
         };
         let mut labels = 0;
         let mut keys = [best; 4];
         let mut len = 0;
         for key in [below, before, Some(best), after, above].into_iter().flatten() {
-            labels |= label_of(key) << (8 * len);
+            labels |= Trial::label_of(key) << (8 * len);
             keys[len % 4] = key;
             len += 1;
         }
-        let (mut beyond, last) = (0, label_of(keys[(len - 1) % 4]));
+        let (mut beyond, last) = (0, Trial::label_of(keys[(len - 1) % 4]));
         for i in len..4 {
             labels |= last << (8 * i);
             beyond |= 0xff << (8 * i);
         }
-        Tile { labels, costs: self.costs(keys).map(|costs| costs | beyond), best: label_of(best) }
+        Tile { labels, costs: self.costs(keys).map(|costs| costs | beyond), best: Trial::label_of(best) }
     }
 
     /// What the labels of four trials cost each of the four cells.
     #[inline(always)]
     fn costs(&self, keys: [u32; 4]) -> [u32; 4] {
-        let cells = keys.map(|key| self.trials.cells[(key >> 8) as usize % MOST]);
-        self.row.settings.cost.of(cells, keys.map(sum_of))
+        let cells = keys.map(|key| self.trials.of(key).cells);
+        self.row.settings.cost.of(cells, keys.map(Trial::sum_of))
     }
 }
 
