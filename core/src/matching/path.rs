@@ -127,7 +127,7 @@ impl<const WORDS: usize> Paths<WORDS> {
         for (pair, ((value, label), merit)) in self.tiles(tiles).iter_mut().zip(cells) {
             let (labels, above) = (pair[0].labels, pair[1].labels);
             let steps = penalties.steps(above);
-            let upper = [normalised(pair[0].along[0]), normalised(pair[1].along[0])];
+            let upper = [pair[0].along[0], pair[1].along[0]];
             let from_top = [pair[0].from_top, pair[1].from_top];
             let (from_below, from_above) = if above == labels {
                 let same = |sums: u32| penalties.same_labels(sums, steps);
@@ -177,7 +177,7 @@ fn decide(column: &mut Column, penalties: Penalties, steps: Steps) -> Decided {
     let [costs, costs_below] = column.costs;
     let [along, along_below] = column.along;
     let top = extend(costs, column.from_top);
-    let lower = penalties.same_labels(normalised(along_below), steps);
+    let lower = penalties.same_labels(along_below, steps);
     let found = winner(extend(add(along, top), lower), column.labels, costs, steps.both());
     let lower_top = extend(costs_below, penalties.same_labels(top, steps));
     let sums = normalised(add(along_below, lower_top));

@@ -62,10 +62,9 @@ impl<const WORDS: usize> Paths<WORDS> {
             // Two cells a half of the quad: upper and lower ones.
             let costs = Quad::of([first.costs[0], second.costs[0], first.costs[1], second.costs[1]]);
             let along = Quad::of([first.along[0], second.along[0], first.along[1], second.along[1]]);
-            let sums = normalised(along);
             let from_top = Quad::of_two([first.from_top, second.from_top]);
             // What these tell the cells above, and the other way.
-            let between = sums.lower(from_top);
+            let between = along.lower(from_top);
             let messages = if above == own {
                 penalties.same_labels(between, steps)
             } else {
@@ -74,7 +73,7 @@ impl<const WORDS: usize> Paths<WORDS> {
             };
             let from_above = if is_first { Quad::splat(0) } else { messages.upper(messages) };
             let top = extend(costs, from_above);
-            let from_below = penalties.same_labels(sums, steps);
+            let from_below = penalties.same_labels(along, steps);
             let pending = Quad::of_two([first.pending, second.pending]).lower(along.add(top));
             let decided = extend(pending, messages.lower(from_below.upper(from_below)));
             let costs_above = Quad::of_two([first.costs_above, second.costs_above]);
