@@ -228,6 +228,8 @@ impl<const WORDS: usize> AnswerRow<WORDS> {
             }
         }
         let (mut first_hidden, mut seen_before) = (None, cells.start.checked_sub(1));
+        // What lies after the last jump is nearer than all before it.
+        let cells = stretch.from..stretch.near.min(stretch.to);
         for ((c, (&a, &b)), column) in cells.clone().zip(left.iter().zip(right)).zip(columns(cells.clone(), origin)) {
             let at = |label: u8| (column - i32::from(label)).cast_unsigned() as usize;
             let mask = if a == b {

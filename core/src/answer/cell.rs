@@ -29,6 +29,7 @@ pub(crate) struct Cell {
 }
 
 /// The label of the least sum; the least of `sums` is 0.
+#[cfg(not(haarline_dsp))]
 #[inline(always)]
 pub(crate) fn label(sums: u32, labels: u32) -> u8 {
     byte(labels >> zero_lane_bits(sums))

@@ -21,6 +21,8 @@ const BESIDE: usize = 2;
 pub(crate) struct Stretch {
     pub(crate) from: usize,
     pub(crate) to: usize,
+    /// What may be hidden ends here, before the last jump.
+    pub(crate) near: usize,
     /// The least label before its jumps.
     pub(crate) far: u8,
 }
@@ -31,18 +33,19 @@ impl Stretch {
     /// - `cells`: how many there are.
     pub(crate) fn around(cell: usize, far: u8, near: u8, cells: usize) -> Self {
         let reach = usize::from(near.abs_diff(far)) / 4 + BESIDE;
-        Self { from: cell.saturating_sub(reach), to: (cell + reach).min(cells), far }
+        Self { from: cell.saturating_sub(reach), to: (cell + reach).min(cells), near: cell, far }
     }
 
     /// The stretch and the cells around one more jump, further right, of those `within`.
     pub(crate) fn with(self, cell: usize, far: u8, near: u8, within: Range<usize>) -> Self {
         let far = far.min(self.far);
         let jump = Self::around(cell, far, near, within.end);
-        Self { from: self.from.min(jump.from).max(within.start), to: self.to.max(jump.to), far }
+        Self { from: self.from.min(jump.from).max(within.start), to: self.to.max(jump.to), near: self.near.max(cell), far }
     }
 }
 
 /// The columns of the right view, and what claims them.
+#[derive(Debug, Clone)]
 pub(crate) struct RightView<const WORDS: usize> {
     /// For each column the greatest label that claims it, a word of margin before; all bits are set outside of the view.
     claims: [u32; WORDS],
@@ -53,6 +56,7 @@ pub(crate) struct RightView<const WORDS: usize> {
 
 impl<const WORDS: usize> RightView<WORDS> {
     /// Nothing is claimed.
+    #[inline(always)]
     pub(crate) fn new(config: &Config, cells: usize) -> Self {
         let (mut claims, words) = ([0; WORDS], cells + 2);
         let width = usize::from(config.width);
@@ -69,7 +73,7 @@ impl<const WORDS: usize> RightView<WORDS> {
     pub(crate) fn left_margin(&self, labels: &[u8]) -> Stretch {
         let columns = (self.origin..).step_by(4);
         let to = labels.iter().zip(columns).take_while(|&(&label, column)| column - i32::from(label) < 4).count();
-        Stretch { from: 0, to, far: u8::MAX }
+        Stretch { from: 0, to, near: to, far: u8::MAX }
     }
 
     /// The cells from `first` on that may lie right of the right view.
@@ -78,7 +82,7 @@ impl<const WORDS: usize> RightView<WORDS> {
         let beyond =
             usize::from(config.min_disparity.min(0).unsigned_abs()) + usize::from(!config.width.is_multiple_of(4));
         let margin = if beyond > 0 { beyond / 4 + 2 } else { 0 };
-        Stretch { from: cells.saturating_sub(margin).max(first), to: cells, far: u8::MAX }
+        Stretch { from: cells.saturating_sub(margin).max(first), to: cells, near: cells, far: u8::MAX }
     }
 
     /// How many cells there are.

@@ -41,6 +41,80 @@ macro_rules! zero_lane {
     };
 }
 
+/// Of the sums in x and the costs in a, the least of the sums 0: the label in u, the value in w, and the merit in x.
+///
+/// - `$labels` puts the labels in y; `$beside` puts in t what is less than 255 in the lanes with neighbours, moved by w bits.
+macro_rules! winner {
+    ($labels:literal, $beside:literal) => {
+        concat!(
+            // The label in u, its lane in w.
+            zero_lane!("{x}", "{w}", "{t}"),
+            $labels,
+            "\n",
+            "lsr {u}, {y}, {w}\n",
+            "uxtb {u}, {u}\n",
+            $beside,
+            "\n",
+            "uxtb {t}, {t}\n",
+            "cmp {t}, #255\n",
+            "bne 2f\n",
+            // At an end of the labels: no fraction, in w; the margin in x and the cost in a.
+            "lsr {a}, {a}, {w}\n",
+            "uxtb {a}, {a}\n",
+            "mov {t}, #0x01010101\n",
+            "mul {t}, {u}, {t}\n",
+            "uqsub8 {w}, {y}, {t}\n",
+            "uqsub8 {t}, {t}, {y}\n",
+            "orr {t}, {t}, {w}\n",
+            "mov {y}, #0x02020202\n",
+            "usub8 {t}, {t}, {y}\n",
+            "mov {y}, #0x40404040\n",
+            "sel {x}, {x}, {y}\n",
+            "ror {t}, {x}, #16\n",
+            "usub8 {w}, {x}, {t}\n",
+            "sel {x}, {t}, {x}\n",
+            "ror {t}, {x}, #8\n",
+            "usub8 {w}, {x}, {t}\n",
+            "sel {x}, {t}, {x}\n",
+            "uxtb {x}, {x}\n",
+            "mov {w}, #0\n",
+            "b 3f\n",
+            // Between two labels: these are turned into the lanes before, here and after.
+            "2:\n",
+            "add {w}, {w}, #24\n",
+            "ror {x}, {x}, {w}\n",
+            "ror {a}, {a}, {w}\n",
+            "uqadd8 {t}, {x}, {a}\n",
+            "lsr {x}, {x}, #24\n",
+            "ubfx {a}, {a}, #8, #8\n",
+            "uxtb {w}, {t}\n",
+            "ubfx {y}, {t}, #16, #8\n",
+            "ubfx {t}, {t}, #8, #8\n",
+            "cmp {x}, #64\n",
+            "it hi\n",
+            "movhi {x}, #64\n",
+            "cmp {w}, {y}\n",
+            "ite hi\n",
+            "subhi {t}, {w}, {t}\n",
+            "subls {t}, {y}, {t}\n",
+            "sub {w}, {w}, {y}\n",
+            "cmp {t}, #1\n",
+            "ite lt\n",
+            "movlt {w}, #0\n",
+            "lslge {w}, {w}, #7\n",
+            "it ge\n",
+            "sdivge {w}, {w}, {t}\n",
+            "ssat {w}, #8, {w}\n",
+            "3:\n",
+            "sub {x}, {x}, {a}, lsl #1\n",
+            "add {x}, {x}, #128\n",
+            "usat {x}, #8, {x}\n",
+            "add {w}, {w}, {u}, lsl #8\n",
+            "add {w}, {w}, #128\n",
+        )
+    };
+}
+
 /// Decides the upper cell of a column, whose labels stand in it: its paths along the row, from the top, and from the lower
 /// cell; the lower one for the time being.
 #[inline(always)]
@@ -62,69 +136,7 @@ pub(crate) fn decide_column(column: &mut Column, steps: Steps, jump: u32) -> Dec
             "uqadd8 {x}, {x}, {b}",
             "uqadd8 {x}, {x}, {t}",
             normalise!("{x}", "{t}", "{u}", "{w}"),
-            // The label in u, its lane in w.
-            zero_lane!("{x}", "{w}", "{t}"),
-            "ldr {y}, [{p}, #16]",
-            "lsr {u}, {y}, {w}",
-            "uxtb {u}, {u}",
-            "orr {t}, {up}, {down}",
-            "lsr {t}, {t}, {w}",
-            "uxtb {t}, {t}",
-            "cmp {t}, #255",
-            "bne 2f",
-            // At an end of the labels: no fraction, in w; the margin in x and the cost in a.
-            "lsr {a}, {a}, {w}",
-            "uxtb {a}, {a}",
-            "mov {t}, #0x01010101",
-            "mul {t}, {u}, {t}",
-            "uqsub8 {w}, {y}, {t}",
-            "uqsub8 {t}, {t}, {y}",
-            "orr {t}, {t}, {w}",
-            "mov {y}, #0x02020202",
-            "usub8 {t}, {t}, {y}",
-            "mov {y}, #0x40404040",
-            "sel {x}, {x}, {y}",
-            "ror {t}, {x}, #16",
-            "usub8 {w}, {x}, {t}",
-            "sel {x}, {t}, {x}",
-            "ror {t}, {x}, #8",
-            "usub8 {w}, {x}, {t}",
-            "sel {x}, {t}, {x}",
-            "uxtb {x}, {x}",
-            "mov {w}, #0",
-            "b 3f",
-            // Between two labels: these are turned into the lanes before, here and after.
-            "2:",
-            "add {w}, {w}, #24",
-            "ror {x}, {x}, {w}",
-            "ror {a}, {a}, {w}",
-            "uqadd8 {t}, {x}, {a}",
-            "lsr {x}, {x}, #24",
-            "ubfx {a}, {a}, #8, #8",
-            "uxtb {w}, {t}",
-            "ubfx {y}, {t}, #16, #8",
-            "ubfx {t}, {t}, #8, #8",
-            "cmp {x}, #64",
-            "it hi",
-            "movhi {x}, #64",
-            "cmp {w}, {y}",
-            "ite hi",
-            "subhi {t}, {w}, {t}",
-            "subls {t}, {y}, {t}",
-            "sub {w}, {w}, {y}",
-            "cmp {t}, #1",
-            "ite lt",
-            "movlt {w}, #0",
-            "lslge {w}, {w}, #7",
-            "it ge",
-            "sdivge {w}, {w}, {t}",
-            "ssat {w}, #8, {w}",
-            "3:",
-            "sub {x}, {x}, {a}, lsl #1",
-            "add {x}, {x}, #128",
-            "usat {x}, #8, {x}",
-            "add {w}, {w}, {u}, lsl #8",
-            "add {w}, {w}, #128",
+            winner!("ldr {y}, [{p}, #16]", "orr {t}, {up}, {down}\n lsr {t}, {t}, {w}"),
             // The lower cell: its path from the top, in b, and all paths that it has so far, in t.
             message!("{b}", "{t}", "{a}", "{y}"),
             "uqadd8 {b}, {g}, {t}",
@@ -144,4 +156,25 @@ pub(crate) fn decide_column(column: &mut Column, steps: Steps, jump: u32) -> Dec
         );
     }
     Decided { value: value as u16, label: label as u8, merit: merit as u8, lower_label: lower_label as u8 }
+}
+
+/// Decides the lower cell above a column, now that `message` tells what lies below it: value, label and merit.
+///
+/// - `labels`: of its tile; `beside`: less than 255 in the lanes whose neighbours are the labels one less and one more.
+#[inline(always)]
+pub(crate) fn decide_pending(column: &Column, labels: u32, beside: u32, message: u32) -> (u16, u8, u8) {
+    let (value, label, merit): (u32, u32, u32);
+    // SAFETY: works on registers only.
+    unsafe {
+        asm!(
+            "uqadd8 {x}, {x}, {m}",
+            normalise!("{x}", "{t}", "{u}", "{w}"),
+            winner!("mov {y}, {labels}", "lsr {t}, {beside}, {w}"),
+            labels = in(reg) labels, beside = in(reg) beside, m = in(reg) message,
+            a = inout(reg) column.costs_above => _, t = out(reg) _, y = out(reg) _,
+            u = out(reg) label, w = out(reg) value, x = inout(reg) column.pending => merit,
+            options(pure, nomem, nostack),
+        );
+    }
+    (value as u16, label as u8, merit as u8)
 }

@@ -23,7 +23,7 @@ mod x86_64_rows;
 #[cfg(haarline_dsp)]
 pub(crate) use cortex_m::*;
 #[cfg(haarline_dsp)]
-pub(crate) use cortex_m_column::decide_column;
+pub(crate) use cortex_m_column::{decide_column, decide_pending};
 #[cfg(haarline_dsp)]
 use cortex_m_rows::*;
 #[cfg(not(any(haarline_dsp, haarline_sse2)))]

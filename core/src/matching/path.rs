@@ -11,14 +11,15 @@
 pub(crate) mod quad;
 
 #[cfg(not(haarline_dsp))]
-use crate::answer::cell::label;
-use crate::answer::cell::winner;
+use crate::answer::cell::{label, winner};
 use crate::answer::cell_row::CellRow;
 use crate::lanes::add;
 use crate::lanes::columns::{Column, Decided, Steps};
 #[cfg(haarline_dsp)]
-use crate::lanes::decide_column;
-use crate::matching::agreement::{Penalties, extend, normalised};
+use crate::lanes::{decide_column, decide_pending};
+use crate::matching::agreement::{Penalties, extend};
+#[cfg(not(haarline_dsp))]
+use crate::matching::agreement::normalised;
 use crate::matching::tile::Tile;
 
 /// What a row of tiles knows of itself and of the one above.
@@ -141,10 +142,7 @@ impl<const WORDS: usize> Paths<WORDS> {
             for half in 0..2 {
                 let column = &mut pair[half];
                 column.from_top = from_above[half];
-                let found = winner(extend(column.pending, from_below[half]), above, column.costs_above, steps.both());
-                value[half] = found.value;
-                label[half] = found.label;
-                merit[half] = found.merit;
+                (value[half], label[half], merit[half]) = decide_pending(column, above, steps.both(), from_below[half]);
             }
         }
     }
@@ -184,6 +182,16 @@ fn decide(column: &mut Column, penalties: Penalties, steps: Steps) -> Decided {
     (column.from_top, column.pending, column.costs_above) = (lower_top, sums, costs_below);
     let lower_label = label(sums, column.labels);
     Decided { value: found.value, label: found.label, merit: found.merit, lower_label }
+}
+
+/// Decides the lower cell above a column, now that `message` tells what lies below it: value, label and merit.
+///
+/// - `labels`: of its tile; `beside`: less than 255 in the lanes whose neighbours are the labels one less and one more.
+#[cfg(not(haarline_dsp))]
+#[inline(always)]
+fn decide_pending(column: &Column, labels: u32, beside: u32, message: u32) -> (u16, u8, u8) {
+    let found = winner(extend(column.pending, message), labels, column.costs_above, beside);
+    (found.value, found.label, found.merit)
 }
 
 /// The same in one piece.

@@ -442,8 +442,8 @@ impl Sampling {
         let first = (row as usize * 5) % 32;
         match row {
             0..16 => Some(Self { first: first % 8, stride: 8, weight: 2 }),
-            16..48 if row.is_multiple_of(2) => Some(Self { first: first % 8, stride: 8, weight: 4 }),
-            48.. if row.is_multiple_of(4) => Some(Self { first, stride: 32, weight: 64 }),
+            16..48 if row.is_multiple_of(4) => Some(Self { first: first % 8, stride: 8, weight: 8 }),
+            48.. if row.is_multiple_of(8) => Some(Self { first, stride: 32, weight: 64 }),
             _ => None,
         }
     }
