@@ -4,7 +4,7 @@
 
 use crate::lanes::rows::tile_sad;
 
-/// Most disparities that a tile tries: seven hypotheses, and the steps of the extremum search. A power of two, so that a
+/// Most disparities that a tile tries: six hypotheses, and the steps of the extremum search. A power of two, so that a
 /// mask keeps places within it.
 const MOST: usize = 16;
 /// Places of labels: a power of two, so that a mask keeps within it whatever stands for no label.

@@ -128,7 +128,7 @@ impl<'a, C: CellCost, const WORDS: usize> TileRow<'a, C, WORDS> {
         &self,
         trials: &mut Trials<WORDS>,
         tile: usize,
-        hypotheses: [u32; 7],
+        hypotheses: [u32; 6],
         left: u32,
         above: u32,
     ) -> Tile {

@@ -84,7 +84,7 @@ impl Matching for Lonely {
         if is_noisy {
             (SharedCost { cell: 180, tile: 30 }, Penalties::new(2, 16))
         } else {
-            (SharedCost { cell: 88, tile: 10 }, Penalties::new(1, 3))
+            (SharedCost { cell: 88, tile: 12 }, Penalties::new(1, 3))
         }
     }
 }

@@ -268,7 +268,7 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> Tiled<M, BLOCKS, C> {
         }
         let pair = |tile: usize| above.get(tile).map_or([NOBODY; 2], |pair| pair.map(u32::from));
         let mut rows = [upper.tiles(tiles), lower.tiles(tiles)];
-        let (mut before, mut here) = (NOBODY, pair(0));
+        let mut here = pair(0);
         let mut left = NOBODY;
         let mut trials = Trials::new();
         let mut alone = Alone::new();
@@ -276,7 +276,7 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> Tiled<M, BLOCKS, C> {
             let next = pair(tile + 1);
             let ([a, b], after) = (here, next[0]);
             let seeds = self.seeds.nearest(tile).map(u32::from);
-            let hypotheses = [a, b, before, after, left, seeds[0], seeds[1]];
+            let hypotheses = [a, b, after, left, seeds[0], seeds[1]];
             let found = row.search(&mut trials, tile, hypotheses, left, a);
             left = found.best;
             if let Some(paths) = paths.as_deref_mut() {
@@ -289,7 +289,7 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> Tiled<M, BLOCKS, C> {
                     row.merit[tile] = [first.merit, second.merit];
                 }
             }
-            (before, here) = (b, next);
+            here = next;
         }
         if let Some(paths) = paths {
             paths.pass_rightwards(tiles, settings.penalties);
