@@ -223,9 +223,7 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> Tiled<M, BLOCKS, C> {
         let tiles = self.tiles();
         let views = [self.left.tiles(tile_row), self.right.tiles(tile_row)];
         self.seeds.pair(&self.config, views, tiles);
-        if tile_row.is_multiple_of(2) {
-            self.repetition.observe(self.seeds.left_contours());
-        }
+        self.repetition.observe(self.seeds.left_contours());
         let range = self.config.num_disparities;
         match self.parts.seeds {
             Seeds::Contours => {}
@@ -442,8 +440,8 @@ impl Sampling {
         let first = (row as usize * 5) % 32;
         match row {
             0..16 => Some(Self { first: first % 8, stride: 8, weight: 2 }),
-            16..48 if row.is_multiple_of(4) => Some(Self { first: first % 8, stride: 8, weight: 8 }),
-            48.. if row.is_multiple_of(8) => Some(Self { first, stride: 32, weight: 64 }),
+            16..48 if row.is_multiple_of(2) => Some(Self { first: first % 8, stride: 8, weight: 4 }),
+            48.. if row.is_multiple_of(4) => Some(Self { first, stride: 32, weight: 64 }),
             _ => None,
         }
     }
