@@ -143,12 +143,12 @@ impl<const WORDS: usize> AnswerRow<WORDS> {
                 };
                 self.choose_at(config, sources, [far, near], c, &mut halves);
                 if far < near {
-                    let jump = Stretch::around(c, far, near, cells);
+                    let jump = right_view.around(config, c, far, near);
                     if jump.from > stretch.to {
                         self.hide(&mut right_view, stretch, &halves);
                         (done, stretch) = (stretch.to, jump);
                     } else {
-                        stretch = stretch.with(c, far, near, done..cells);
+                        stretch = stretch.with(jump, done..cells);
                     }
                 }
             }

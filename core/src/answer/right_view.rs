@@ -23,24 +23,16 @@ pub(crate) struct Stretch {
     pub(crate) to: usize,
     /// What may be hidden ends here, before the last jump.
     pub(crate) near: usize,
-    /// The least label before its jumps.
-    pub(crate) far: u8,
 }
 
 impl Stretch {
-    /// The cells around a jump from one label up to another, before a cell, that may be hidden by what is nearer, or hide it.
-    ///
-    /// - `cells`: how many there are.
-    pub(crate) fn around(cell: usize, far: u8, near: u8, cells: usize) -> Self {
-        let reach = usize::from(near.abs_diff(far)) / 4 + BESIDE;
-        Self { from: cell.saturating_sub(reach), to: (cell + reach).min(cells), near: cell, far }
-    }
-
-    /// The stretch and the cells around one more jump, further right, of those `within`.
-    pub(crate) fn with(self, cell: usize, far: u8, near: u8, within: Range<usize>) -> Self {
-        let far = far.min(self.far);
-        let jump = Self::around(cell, far, near, within.end);
-        Self { from: self.from.min(jump.from).max(within.start), to: self.to.max(jump.to), near: self.near.max(cell), far }
+    /// The stretch and that around one more jump, further right, of those `within`.
+    pub(crate) fn with(self, jump: Self, within: Range<usize>) -> Self {
+        Self {
+            from: self.from.min(jump.from).max(within.start),
+            to: self.to.max(jump.to).min(within.end),
+            near: self.near.max(jump.near),
+        }
     }
 }
 
@@ -73,7 +65,7 @@ impl<const WORDS: usize> RightView<WORDS> {
     pub(crate) fn left_margin(&self, labels: &[u8]) -> Stretch {
         let columns = (self.origin..).step_by(4);
         let to = labels.iter().zip(columns).take_while(|&(&label, column)| column - i32::from(label) < 4).count();
-        Stretch { from: 0, to, near: to, far: u8::MAX }
+        Stretch { from: 0, to, near: to }
     }
 
     /// The cells from `first` on that may lie right of the right view.
@@ -82,7 +74,16 @@ impl<const WORDS: usize> RightView<WORDS> {
         let beyond =
             usize::from(config.min_disparity.min(0).unsigned_abs()) + usize::from(!config.width.is_multiple_of(4));
         let margin = if beyond > 0 { beyond / 4 + 2 } else { 0 };
-        Stretch { from: cells.saturating_sub(margin).max(first), to: cells, near: cells, far: u8::MAX }
+        Stretch { from: cells.saturating_sub(margin).max(first), to: cells, near: cells }
+    }
+
+    /// The cells around a jump from one label up to another, before a cell, that may be hidden by what is nearer, or hide it.
+    pub(crate) fn around(&self, config: &Config, cell: usize, far: u8, near: u8) -> Stretch {
+        let reach = usize::from(near.abs_diff(far)) / 4 + BESIDE;
+        let to = (cell + reach).min(self.cells());
+        // What is nearer may lie outside of the view.
+        let is_inside = self.origin + 4 * cell as i32 - i32::from(near) >= 4 && to <= self.right_margin(config, 0).from;
+        Stretch { from: cell.saturating_sub(reach), to, near: if is_inside { cell } else { to } }
     }
 
     /// How many cells there are.
