@@ -93,22 +93,24 @@ class Phases:
 class Firmware:
     """A run of the product while its current is measured."""
 
-    def __init__(self, elf, dump, folder):
+    def __init__(self, elf, dump, folder, mhz):
+        folder.mkdir()
         self.folder, self.phases_file = folder, folder / "phases.csv"
-        self.told = run(EMULATOR, elf, "--raw", dump, "--size", f"{WIDTH}x{HEIGHT}", "--frames", FRAMES, "--phases", self.phases_file,
+        self.told = run(EMULATOR, elf, "--mhz", mhz, "--raw", dump, "--size", f"{WIDTH}x{HEIGHT}", "--frames", FRAMES, "--phases", self.phases_file,
                         "--rows", folder / "rows", "--read", f"HAARLINE_MEASURED:{MEASURED}", "--tail", 60)
         end = 1_000_000 * int(re.search(r"virtual time (\d+) ms", self.told)[1])
         self.phases = Phases(self.phases_file, end)
         milliseconds = re.search(r"frames' first lines at (.*)", self.told)[1]
         self.shown = [round(1e6 * float(ms.removesuffix(" ms"))) for ms in milliseconds.split(", ")]
         self.words = re.search(r"read: (.*)", self.told)[1]
+        self.rows = (folder / "rows").read_bytes()
 
 
 def edges_of_a_frame(firmware):
     """Idle until a frame's first line, then capture; each row computed; the last one sent after it; idle until the next."""
     phases, period = firmware.phases, 1_000_000_000 // RATE
     expect("frames shown", len(firmware.shown), FRAMES)
-    expect("before the first frame", {NAMES[of] for at, end, of in phases.spans if end <= firmware.shown[0]}, {"idle"})
+    expect("before the first frame", {NAMES[of] for at, _, of in phases.spans if at < firmware.shown[0]}, {"idle"})
     longest, twice = 0, 0
     for nth, begin in enumerate(firmware.shown[:-1]):
         expect(f"just before frame {nth}", NAMES[phases.at(begin - 1)], "idle")
@@ -154,6 +156,20 @@ def counters(firmware):
     if abs(energy / expected - 1) > 0.02:
         raise Failure(f"stages take {energy:.3f} mJ, and should {expected:.3f}")
     return f"stages {counted:.1f} ms by the counter, {shown:.1f} ms by the pins; asleep {slept} of {uptime} ms; clock {clock / 1e6:.0f} MHz"
+
+
+def slowest(firmware, elf, dump, folder):
+    """The program that chose its clock itself sends the same as the fastest one."""
+    # What it says it runs at is what it is run at then.
+    first = Firmware(elf, dump, folder / "first", 480)
+    mhz = int(first.words.split()[3], 16) // 1_000_000
+    if mhz >= 480:
+        raise Failure(f"at {mhz} MHz nothing is saved")
+    slow = Firmware(elf, dump, folder / "slow", mhz)
+    expect("bytes sent", slow.rows == firmware.rows, True)
+    edges_of_a_frame(slow)
+    busy = [run.phases.time(COMPUTE) / 1e6 for run in (firmware, slow)]
+    return f"{mhz} MHz: the same bytes, {busy[1]:.0f} ms of computing instead of {busy[0]:.0f}"
 
 
 def measured(phases, folder, rate, *options):
@@ -205,12 +221,15 @@ def checks(data, folder):
     description.write_text(stereoboard)
     run(HAARLINE, "record", "--recording", data / "stereoboard" / TAKE, "--layout", "side-by-side", "--first", "right",
         "--frames", "60..72", "--wiring", "pairs14", "-o", dump)
+    itself = folder / "itself.elf"
+    itself.write_bytes(build("firmware", HAARLINE_RIG=str(description)).read_bytes())
     elf = build("firmware", HAARLINE_RIG=str(description), HAARLINE_CLOCK_MHZ="480")
-    firmware = Firmware(elf, dump, folder)
+    firmware = Firmware(elf, dump, folder / "fast", 480)
     profile = build("profile")
     yield "phases at every edge of a frame", lambda: edges_of_a_frame(firmware)
     yield "counters as a probe fetches them", lambda: counters(firmware)
-    yield "a meter's recording of the product", lambda: measured(firmware.phases, folder, 100_000)[1]
+    yield "the least clock that keeps up", lambda: slowest(firmware, itself, dump, folder)
+    yield "a meter's recording of the product", lambda: measured(firmware.phases, firmware.folder, 100_000)[1]
     yield "profile: 3 s of every method, 1 s of sleep", lambda: segments(profile, folder)
 
 

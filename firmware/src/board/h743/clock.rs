@@ -43,13 +43,13 @@ const POINT: OperatingPoint = POINTS[match option_env!("HAARLINE_CLOCK_MHZ") {
         _ => panic!("HAARLINE_CLOCK_MHZ: must be 480, 400 or 200"),
     },
 }];
-/// Instructions of a pixel, twice: of the method as the twin counts them on noisy frames, and three eighths more for capture,
-/// interrupts and what goes to the autopilot, as measured on the emulated chip.
-const WORK: u32 = match METHOD {
-    Method::Full => INSTRUCTIONS_FULL,
-    Method::Lite => INSTRUCTIONS_LITE,
-} * 11
-    / 8;
+/// Instructions of a pixel: of the method and its packets, as the twin counts them on noisy frames, and of the program around, as
+/// measured on the emulated chip.
+const WORK: u32 = 56
+    + match METHOD {
+        Method::Full => INSTRUCTIONS_FULL,
+        Method::Lite => INSTRUCTIONS_LITE,
+    };
 
 /// The core, Hz.
 pub const CORE: u32 = POINT.mhz * 1_000_000;

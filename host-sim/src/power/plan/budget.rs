@@ -11,9 +11,9 @@ use crate::twin::cycles::Range;
 
 /// So much of its time a core may be busy: what is left is for interrupts, and for rows that come faster than the mean.
 pub const MOST_BUSY: f64 = 0.9;
-/// What the board's program executes for each instruction of the method and its packets: capture, interrupts, obstacles,
+/// Instructions of a pixel that the board's program executes besides the method and its packets: capture, interrupts, obstacles,
 /// messages. Of the emulated STM32H743, where `full` takes 210 a pixel with everything, and 154 in the twin, noisy.
-pub const PROGRAM: f64 = 1.375;
+pub const PROGRAM: f64 = 56.0;
 /// Both.
 const SENSORS: f64 = 2.0;
 
@@ -199,11 +199,12 @@ impl Planner<'_> {
             least: every.iter().map(|cost| cost.least).fold(f64::INFINITY, f64::min),
             likely: inputs.clean.mean.all(),
             most: every.iter().map(|cost| cost.most).fold(0.0, f64::max),
-        };
+        }
+        .map(|instructions| instructions + PROGRAM);
         let cycles_per_instruction = chip.core.cycles();
-        let cycles_per_pixel = instructions.times(cycles_per_instruction).map(|cycles| PROGRAM * cycles);
+        let cycles_per_pixel = instructions.times(cycles_per_instruction);
         let rate = f64::from(width) * f64::from(height) * fps;
-        let noisy = PROGRAM * inputs.noisy.mean.all() * cycles_per_instruction.likely;
+        let noisy = (inputs.noisy.mean.all() + PROGRAM) * cycles_per_instruction.likely;
         let point = |point: &OperatingPoint| Point::new(chip, point, cycles_per_pixel, noisy, rate);
         let points: Vec<Point> = chip.points.iter().map(point).collect();
         let chosen = points.iter().rposition(|point| point.fits);
@@ -257,8 +258,9 @@ impl Planner<'_> {
 
     /// What the figures rest on.
     fn sources(&self, request: &Request, plan: &Plan) -> Result<Vec<String>> {
-        let program =
-            format!("{PROGRAM} instructions of the program for one of the method: measured on an emulated STM32H743");
+        let program = format!(
+            "{PROGRAM} instructions a pixel of the program around the method: measured on an emulated STM32H743"
+        );
         let mut sources = vec![
             program,
             format!(
