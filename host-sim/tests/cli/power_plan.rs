@@ -1,12 +1,23 @@
 //! `haarline power plan`: what it tells, and what it refuses.
 
-use crate::tool::Bench;
+use crate::tool::{Bench, Outcome};
+
+/// Plans: it succeeds, and warns in one line of what nobody looked up.
+#[track_caller]
+fn planned(bench: &Bench, line: &str) -> Outcome {
+    let outcome = bench.run(line);
+    assert_eq!(outcome.status, 0, "haarline {line}: {}", outcome.stderr);
+    assert!(outcome.stderr.lines().count() <= 1 && outcome.stderr.contains("not verified"), "{}", outcome.stderr);
+    outcome
+}
 
 #[test]
 fn a_plan_that_fits_tells_its_budget_and_marks_what_nobody_looked_up() {
     let bench = Bench::new();
-    let run = bench
-        .succeeds("power plan --board h743 --size 320x240 --fps 25 --method lite --battery 1000mAh --volts 3.7 --json");
+    let run = planned(
+        &bench,
+        "power plan --board h743 --size 320x240 --fps 25 --method lite --battery 1000mAh --volts 3.7 --json",
+    );
     let plan = run.json();
     let budget = &plan["budget"];
     let number = |value: &serde_json::Value| value.as_f64().unwrap();
@@ -18,7 +29,7 @@ fn a_plan_that_fits_tells_its_budget_and_marks_what_nobody_looked_up() {
     let marked =
         plan["sources"].as_array().unwrap().iter().filter(|source| source.as_str().unwrap().contains("not verified"));
     assert_eq!(plan["not_verified"], marked.count());
-    let told = bench.succeeds("power plan --board h743 --fps 25 --method lite");
+    let told = planned(&bench, "power plan --board h743 --fps 25 --method lite");
     assert!(told.stdout.contains("model, not measured") && told.stdout.contains("not verified: "), "{}", told.stdout);
     assert!(told.stderr.contains("not verified") && told.stderr.lines().count() == 1, "{}", told.stderr);
 }
@@ -26,13 +37,13 @@ fn a_plan_that_fits_tells_its_budget_and_marks_what_nobody_looked_up() {
 #[test]
 fn a_plan_that_does_not_fit_says_by_how_much_and_what_would() {
     let bench = Bench::new();
-    let told = bench.succeeds("power plan --board u575 --method full --fps 30").stdout;
+    let told = planned(&bench, "power plan --board u575 --method full --fps 30").stdout;
     assert!(told.contains("does not fit: needs ") && told.contains("would fit: --fps "), "{told}");
     // What it says does fit.
     let line = told.lines().find(|line| line.starts_with("would fit")).unwrap();
     for way in line.trim_start_matches("would fit: ").split("; or ").filter(|way| !way.starts_with("--board")) {
         let fps = if way.contains("--fps") { "" } else { "--fps 30" };
-        let told = bench.succeeds(&format!("power plan --board u575 --method full {fps} {way}")).stdout;
+        let told = planned(&bench, &format!("power plan --board u575 --method full {fps} {way}")).stdout;
         assert!(told.contains("chosen"), "{way}: {told}");
     }
 }
@@ -40,7 +51,7 @@ fn a_plan_that_does_not_fit_says_by_how_much_and_what_would() {
 #[test]
 fn all_methods_and_boards_are_compared_in_one_table_and_a_page() {
     let bench = Bench::new();
-    let told = bench.succeeds("power plan --all --fps 5 --num-disparities 48 -o plan.html").stdout;
+    let told = planned(&bench, "power plan --all --fps 5 --num-disparities 48 -o plan.html").stdout;
     for method in ["full", "lite", "wavelet-block", "contour", "envelope", "block", "sgm"] {
         for board in ["h743", "u575", "f407"] {
             let is_there = told.lines().any(|line| line.split_whitespace().take(2).eq([board, method]));
@@ -62,7 +73,7 @@ fn own_currents_and_counts_take_the_place_of_the_projects() {
     let meter = r#"run = { ma = 142, document = "our meter", revision = "1", table = "run 7" }"#;
     bench.write("own.toml", own.replace(run, meter));
     let plan = |options: &str| {
-        bench.succeeds(&format!("power plan --board h743 --method lite --fps 20 --json {options}")).json()
+        planned(&bench, &format!("power plan --board h743 --method lite --fps 20 --json {options}")).json()
     };
     let core = |options: &str| plan(options)["points"][1]["core_mw"]["likely"].as_f64().unwrap();
     assert!(core("--currents own.toml") > 1.5 * core(""));
