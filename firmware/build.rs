@@ -21,7 +21,8 @@ fn main() {
     let out = PathBuf::from(env::var_os("OUT_DIR").expect("cargo sets it"));
     println!("cargo:rustc-link-arg-bins=--nmagic");
     let rig = Rig::read(&package);
-    fs::write(out.join("rig.rs"), rig.source).expect("cargo's folder can be written in");
+    let source = rig.source + &counted(&package, rig.width, rig.num_disparities);
+    fs::write(out.join("rig.rs"), source).expect("cargo's folder can be written in");
     println!("cargo:rustc-cfg=sensor=\"{}\"", rig.sensor);
 
     let board = Board::chosen(&package);
@@ -31,7 +32,7 @@ fn main() {
     fs::copy(&board.memory, out.join("memory.x")).expect("the board's memory map can be read");
     println!("cargo:rerun-if-changed={}", board.memory.display());
     println!("cargo:rustc-link-search={}", out.display());
-    for program in ["firmware", "selftest", "bringup", "bench"] {
+    for program in ["firmware", "selftest", "bringup", "bench", "profile"] {
         println!("cargo:rustc-link-arg-bin={program}=-Tlink.x");
         println!("cargo:rustc-link-arg-bin={program}=-Tdefmt.x");
     }
@@ -43,6 +44,33 @@ fn main() {
         println!("cargo:rustc-link-arg-bin={program}=-T{}", machine.display());
         println!("cargo:rustc-link-arg-bin={program}=-Tdefmt.x");
     }
+}
+
+/// What the twin counted on noisy frames of about that size, as constants.
+fn counted(package: &Path, width: u16, disparities: u16) -> String {
+    let file = package.join("../host-sim/src/power/plan/counts.csv");
+    println!("cargo:rerun-if-changed={}", file.display());
+    let text = fs::read_to_string(&file).unwrap_or_else(|error| panic!("{}: {error}", file.display()));
+    // method, scene, input, width, height, disparities, instructions, packets
+    let lines: Vec<Vec<&str>> = text.lines().map(|line| line.split(',').collect()).collect();
+    let number =
+        |cell: &str| cell.parse::<f64>().unwrap_or_else(|_| panic!("{}: {cell:?} is no number", file.display()));
+    let of = |method: &str| {
+        let own = || lines.iter().filter(|line| line.len() == 8 && line[0] == method && line[2] == "noisy");
+        let far = |line: &[&str]| {
+            let away = |cell: &str, wanted: u16| (number(cell) / f64::from(wanted)).ln().abs();
+            2.0 * away(line[3], width) + away(line[5], disparities)
+        };
+        let nearest = own().map(|line| far(line)).fold(f64::INFINITY, f64::min);
+        let near = own().filter(|line| far(line) <= nearest).map(|line| number(line[6]) + number(line[7]));
+        let most = near.fold(0.0, f64::max);
+        assert!(most > 0.0, "{}: nothing was counted of {method}", file.display());
+        format!(
+            "/// Instructions of a pixel of `{method}`, of its packets too.\npub const INSTRUCTIONS_{}: u32 = {most:.0};\n",
+            method.to_uppercase()
+        )
+    };
+    of("full") + &of("lite")
 }
 
 /// The compiler, as it says itself.
@@ -92,6 +120,9 @@ struct Rig {
     source: String,
     /// The sensors that its wiring asks for: the module that drives them.
     sensor: &'static str,
+    /// Columns of a view.
+    width: u16,
+    num_disparities: u16,
 }
 
 impl Rig {
@@ -112,7 +143,8 @@ impl Rig {
         };
         let rig = haarline_rig::Description::parse(&text).and_then(|description| {
             let sensor = if description.wiring.kind.name() == "pairs14" { "mt9v034" } else { "hm01b0" };
-            Ok(Self { source: description.to_rust()?, sensor })
+            let (width, num_disparities) = (description.width, description.num_disparities);
+            Ok(Self { source: description.to_rust()?, sensor, width, num_disparities })
         });
         rig.unwrap_or_else(|error| panic!("HAARLINE_RIG {name}: {error}"))
     }

@@ -21,13 +21,12 @@ use rigless::time::VirtualNanos;
 
 use crate::camera::{Camera, FaultKind};
 use crate::dcmi::Dcmi;
+use crate::phases::Phases;
 use crate::sensor::{Model, OnBus, Sensor, Shared};
 use crate::watchdog::Watchdog;
 use crate::wire::{Heard, Wire};
 use crate::wires::Mistake;
 
-/// Core clock, and instructions a second: one a cycle.
-pub const CLOCK: u64 = 480_000_000;
 /// Of the Nucleo: 8 MHz from its debugger, and 3.3 V.
 const HSE: u64 = 8_000_000;
 const SUPPLY: u32 = 3300;
@@ -105,6 +104,9 @@ pub struct Rig {
     mistake: Option<Mistake>,
     pub rows: Heard,
     pub mavlink: Heard,
+    pub phases: Phases,
+    /// Core clock, and instructions a second, Hz: one a cycle.
+    pub clock: u64,
 }
 
 impl Rig {
@@ -114,8 +116,8 @@ impl Rig {
         self.chip.part.usart[nth].attach(host);
     }
 
-    /// Two sensors of a model, a mistake in their wires, and how late DMA is, ns.
-    pub fn new(camera: Camera, model: Model, mistake: Option<Mistake>, late: u64) -> Result<Self, Error> {
+    /// Two sensors of a model, a mistake in their wires, how late DMA is, ns, and the core's clock, Hz.
+    pub fn new(camera: Camera, model: Model, mistake: Option<Mistake>, late: u64, clock: u64) -> Result<Self, Error> {
         let mut part = Stm32h743::new()?;
         part.rcc.attach_crystals(if mistake == Some(Mistake::NoCrystal) { 0 } else { HSE }, 0);
         part.set_supply(SUPPLY);
@@ -149,7 +151,7 @@ impl Rig {
         let [dcmi_slot, watchdog_slot] = [part.bus().slot("DCMI")?, part.bus().slot("IWDG")?];
         let dcmi = Dcmi::new(camera, sensors.each_ref().map(Arc::clone), mistake, late);
         let chip = Chip { part, dcmi, watchdog: Watchdog::default(), dcmi_slot, watchdog_slot };
-        Ok(Self { chip, sensors, mistake, rows, mavlink })
+        Ok(Self { chip, sensors, mistake, rows, mavlink, phases: Phases::default(), clock })
     }
 
     /// The clock that comes out of the chip for the sensors, Hz.
@@ -221,7 +223,7 @@ impl Rig {
     }
 
     fn config(&self) -> Config {
-        let clock = NonZeroU64::new(CLOCK).expect("it runs");
+        let clock = NonZeroU64::new(self.clock).expect("it runs");
         let core = Core {
             variant: Variant::M7,
             clock_hz: clock,
@@ -302,7 +304,7 @@ mod tests {
     }
 
     fn rig() -> Rig {
-        Rig::new(Camera::new(Vec::new(), [0, 0], 0, None).unwrap(), Model::Mt9v034, None, 0).unwrap()
+        Rig::new(Camera::new(Vec::new(), [0, 0], 0, None).unwrap(), Model::Mt9v034, None, 0, 480_000_000).unwrap()
     }
 
     fn write(rig: &mut Rig, at: u64, address: u64, value: u64) {

@@ -11,6 +11,7 @@ mod board;
 mod camera;
 mod dcmi;
 mod log;
+mod phases;
 mod rtt;
 mod run;
 mod sensor;
@@ -77,6 +78,15 @@ struct Args {
     /// Where the log goes, as text
     #[arg(long, value_name = "FILE")]
     log: Option<PathBuf>,
+    /// Where the levels of the two phase pins go: each edge with its time (CSV)
+    #[arg(long, value_name = "FILE")]
+    phases: Option<PathBuf>,
+    /// Prints so many words of a variable when the run is over, as a probe reads them: NAME:WORDS
+    #[arg(long, value_name = "NAME:WORDS", value_parser = variable)]
+    read: Option<(String, usize)>,
+    /// Clock that the program sets the core to, MHz
+    #[arg(long, default_value_t = 480, value_name = "MHZ")]
+    mhz: u64,
     /// End after so much virtual time, ms
     #[arg(long, default_value_t = 10_000, value_name = "MS")]
     limit: u64,
@@ -88,6 +98,11 @@ struct Args {
 fn size(text: &str) -> Result<[usize; 2], String> {
     let sides = text.split_once('x').and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
     sides.filter(|s| s.iter().all(|&side| side > 0)).ok_or_else(|| "must be as 320x240".to_owned())
+}
+
+fn variable(text: &str) -> Result<(String, usize), String> {
+    let parts = text.split_once(':').and_then(|(name, words)| Some((name.to_owned(), words.parse().ok()?)));
+    parts.ok_or_else(|| "must be as NAME:8".to_owned())
 }
 
 fn main() -> ExitCode {
@@ -111,16 +126,19 @@ fn run(args: &Args) -> Result<()> {
         println!("listening at 127.0.0.1:{}", host.port()?);
     }
     let make = |camera| {
-        let mut rig = Rig::new(camera, args.sensor, args.wires, args.dma_late)?;
+        let mut rig = Rig::new(camera, args.sensor, args.wires, args.dma_late, args.mhz * 1_000_000)?;
         if let Some(host) = host {
             rig.attach_host(host);
         }
         Ok(rig)
     };
-    let outcome = run::run(&args.elf, camera, make, args.limit, args.tail)?;
-    for (path, bytes) in
-        [(&args.rows, &outcome.rows), (&args.mavlink, &outcome.mavlink), (&args.log, &outcome.log.into_bytes())]
-    {
+    let outcome = run::run(&args.elf, camera, make, args.limit, args.tail, args.read.as_ref())?;
+    for (path, bytes) in [
+        (&args.rows, &outcome.rows),
+        (&args.mavlink, &outcome.mavlink),
+        (&args.log, &outcome.log.into_bytes()),
+        (&args.phases, &outcome.phases.into_bytes()),
+    ] {
         if let Some(path) = path {
             fs::write(path, bytes).with_context(|| path.display().to_string())?;
         }

@@ -9,9 +9,10 @@ use rigless::device::ResetCause;
 use rigless::emulator::{self, AccessKind, Driver, Host, Settled, Start, Stop};
 use rigless::image::Image;
 use rigless::session::{Reset, Session};
+use rigless::soc::Width;
 use rigless::time::VirtualNanos;
 
-use crate::board::{CLOCK, Rig};
+use crate::board::Rig;
 use crate::camera::Camera;
 use crate::rtt::Rtt;
 use crate::strike::Strike;
@@ -27,12 +28,17 @@ pub struct Outcome {
     /// The log, decoded.
     pub log: String,
     pub text: String,
+    /// The edges of the phase pins.
+    pub phases: String,
     /// The program went where nothing is.
     pub is_fatal: bool,
 }
 
 struct Watcher {
-    rtt: Rtt,
+    /// None of a program without a log.
+    rtt: Option<Rtt>,
+    /// A variable that is read in the end: where, and its words.
+    variable: Option<(u64, Vec<u64>)>,
     strike: Option<Strike>,
     /// When it struck.
     struck: Option<VirtualNanos>,
@@ -50,9 +56,18 @@ impl Watcher {
     /// The part was reset, and no instruction ran since.
     fn restart(&mut self, host: &mut dyn Host) {
         // Memory that nobody can read is a program without a log yet.
-        let _ = self.rtt.restart(host);
+        let _ = self.rtt.as_mut().map(|rtt| rtt.restart(host));
         if let Some(Err(error)) = self.strike.as_mut().map(|strike| strike.heal(host)) {
             self.failed = Some(error.into());
+        }
+    }
+
+    /// Reads the variable, so that the last look is the one that is told.
+    fn read(&mut self, host: &mut dyn Host) {
+        let Some((address, words)) = &mut self.variable else { return };
+        for (at, word) in (*address..).step_by(4).zip(words) {
+            // Memory that nobody can read holds nothing.
+            *word = host.read(at, Width::W32).unwrap_or(0);
         }
     }
 
@@ -73,7 +88,9 @@ impl Driver<Rig> for Watcher {
         }
         match settled {
             Settled::Access { access, .. } if access.kind == AccessKind::Write => {
-                session.board_mut().written(access.address, access.virtual_time);
+                let board = session.board_mut();
+                board.phases.written(access.address, access.value, access.virtual_time.0);
+                board.written(access.address, access.virtual_time);
             }
             Settled::Stop(stop) => self.strike(session.board().chip.dcmi.begun(), stop.at, host),
             _ => {}
@@ -84,7 +101,8 @@ impl Driver<Rig> for Watcher {
         self.instructions = stop.instruction_count;
         let now = stop.at;
         // Memory that nobody can read is a program without a log yet.
-        let _ = self.rtt.drain(host);
+        let _ = self.rtt.as_mut().map(|rtt| rtt.drain(host));
+        self.read(host);
         let board = session.board_mut();
         board.look(now);
         let dcmi = &board.chip.dcmi;
@@ -101,15 +119,24 @@ pub fn run(
     make: impl FnOnce(Camera) -> Result<Rig, rigless::soc::Error>,
     limit: u64,
     tail: u64,
+    read: Option<&(String, usize)>,
 ) -> Result<Outcome> {
     let name = || elf.display().to_string();
     let program = fs::read(elf).with_context(name)?;
-    let block = symbols::control_block(&program).with_context(name)?;
+    let block = symbols::variable(&program, symbols::CONTROL_BLOCK).with_context(name)?;
+    let variable = match read {
+        Some((variable, words)) => {
+            let address = symbols::variable(&program, variable)?;
+            Some((address.with_context(|| format!("{}: has no variable {variable}", name()))?, vec![0; *words]))
+        }
+        None => None,
+    };
     let images = [Image::read(elf, None).with_context(name)?];
     let strike = Strike::new(camera.fault, &program).with_context(name)?;
     let session = Session::new(Box::new(make(camera)?), 0, VirtualNanos(LOOK))?;
-    let rtt = Rtt::new(block);
-    let watcher = Watcher { rtt, strike, struck: None, resets: 0, limit, tail, instructions: 0, failed: None };
+    let rtt = block.map(Rtt::new);
+    let watcher =
+        Watcher { rtt, variable, strike, struck: None, resets: 0, limit, tail, instructions: 0, failed: None };
     let finished = emulator::run(session, &Start::new(&images), watcher)?;
     let (session, watcher) = (finished.session, finished.driver);
     if let Some(error) = watcher.failed {
@@ -119,7 +146,8 @@ pub fn run(
     let heard = |wire: &crate::wire::Heard| wire.lock().expect("nobody panics").bytes.clone();
     let (rows, mavlink) = (heard(&board.rows), heard(&board.mavlink));
     let resets: Vec<String> = session.resets().iter().map(told).collect();
-    let log = log::text(&program, &watcher.rtt.runs, &resets).with_context(name)?;
+    let runs = watcher.rtt.map(|rtt| rtt.runs).unwrap_or_default();
+    let log = if runs.is_empty() { String::new() } else { log::text(&program, &runs, &resets).with_context(name)? };
 
     let mut text = String::new();
     let dcmi = &board.chip.dcmi;
@@ -129,16 +157,24 @@ pub fn run(
         "virtual time {} ms, {} instructions at {} MHz",
         at / LOOK,
         watcher.instructions,
-        CLOCK / 1_000_000
+        board.clock / 1_000_000
     );
     let _ = writeln!(text, "frames shown {}, words stored {}, FIFO overruns {}", dcmi.frame, dcmi.words, dcmi.overruns);
     let ended = board.rows.lock().expect("nobody panics").ended.clone();
     if let Some(latency) = latency(&dcmi.shown, &ended) {
         let _ = writeln!(text, "from the end of the integration to the last row's packet at most {}", ms(latency));
     }
+    let ms_of = |times: &[u64]| times.iter().map(|&at| ms(VirtualNanos(at))).collect::<Vec<_>>().join(", ");
+    if !board.phases.is_empty() {
+        let _ = writeln!(text, "frames' first lines at {}", ms_of(&dcmi.shown));
+    }
+    if let Some((_, words)) = &watcher.variable {
+        let words: Vec<String> = words.iter().map(|word| format!("{word:08x}")).collect();
+        let _ = writeln!(text, "read: {}", words.join(" "));
+    }
     let bits = dcmi.bits().map(|bits| bits.map_or("unknown".to_owned(), |bits| bits.to_string()));
     let _ = writeln!(text, "bits of the sensors: {}", bits.join(" and "));
-    let logged: usize = watcher.rtt.runs.iter().map(Vec::len).sum();
+    let logged: usize = runs.iter().map(Vec::len).sum();
     let _ = writeln!(text, "bytes: rows {}, MAVLink {}, log {logged}", rows.len(), mavlink.len());
     match watcher.struck {
         Some(at) => _ = writeln!(text, "the program was struck at {}", ms(at)),
@@ -158,7 +194,7 @@ pub fn run(
     for access in &unmapped {
         let _ = writeln!(text, "unmapped: {access:?}");
     }
-    Ok(Outcome { rows, mavlink, log, text, is_fatal: !unmapped.is_empty() })
+    Ok(Outcome { rows, mavlink, log, text, phases: board.phases.csv(), is_fatal: !unmapped.is_empty() })
 }
 
 /// The longest time from the first line of a frame to the last byte before the next one's first.

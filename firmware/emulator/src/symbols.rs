@@ -1,18 +1,19 @@
 //! Where things of the program are: its own symbols say so.
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use object::{Object, ObjectSymbol, SymbolKind};
 
-/// The address of `_SEGGER_RTT` in the ELF file.
+/// The name of the log's control block.
+pub const CONTROL_BLOCK: &str = "_SEGGER_RTT";
+
+/// The address of a variable of that name in the ELF file; none if it has none.
 ///
 /// # Errors
-/// If the bytes are no ELF file, or it keeps no log.
-pub fn control_block(elf: &[u8]) -> Result<u64> {
+/// If the bytes are no ELF file.
+pub fn variable(elf: &[u8], name: &str) -> Result<Option<u64>> {
     let file = object::File::parse(elf)?;
-    file.symbols()
-        .find(|symbol| symbol.name() == Ok("_SEGGER_RTT"))
-        .map(|symbol| symbol.address())
-        .context("the program has no log (_SEGGER_RTT)")
+    let found = file.symbols().find(|symbol| symbol.name() == Ok(name));
+    Ok(found.map(|symbol| symbol.address()))
 }
 
 /// The addresses of the functions in the ELF file whose names, as the linker knows them, have all of `parts`.

@@ -7,6 +7,7 @@
 #![cfg_attr(not(test), no_std)]
 
 pub mod frame;
+pub mod measured;
 pub mod message;
 pub mod server;
 pub mod transfer;

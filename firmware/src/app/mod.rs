@@ -6,10 +6,12 @@ pub mod alive;
 pub mod autopilot;
 #[cfg(target_os = "none")]
 pub mod capture;
-#[cfg(target_os = "none")]
 pub mod edge;
 #[cfg(target_os = "none")]
 pub mod lookout;
+#[cfg(target_os = "none")]
+pub mod measuring;
+pub mod phase;
 pub mod port;
 #[cfg(target_os = "none")]
 pub mod results;
@@ -17,6 +19,7 @@ pub mod results;
 pub mod ring;
 #[cfg(target_os = "none")]
 pub mod settings;
+pub mod shown;
 #[cfg(target_os = "none")]
 pub mod statistics;
 #[cfg(target_os = "none")]

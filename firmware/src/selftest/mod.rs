@@ -14,13 +14,14 @@ pub const CONFIG: Config = Config { width: WIDTH, min_disparity: 0, num_disparit
 pub const BLOCKS: usize = blocks_for(WIDTH);
 
 /// The host's checksums; a test on the host compares them with what it computes.
-const EXPECTED: [(&str, u32); 6] = [
+const EXPECTED: [(&str, u32); 7] = [
     ("full", 0x32DA_E0EA),
     ("lite", 0x398E_94D2),
     ("wavelet-block", 0x5B2E_FAA5),
     ("contour", 0x067D_3429),
     ("envelope", 0xBF38_85C1),
     ("block", 0xEB31_E178),
+    ("sgm", 0x707D_BAF3),
 ];
 
 /// The host's checksum of a method.
@@ -57,7 +58,8 @@ mod tests {
     use super::*;
     use haarline::contour_stereo::rows_for;
     use haarline::{ContourStereo, EnvelopeStereo, Full, Lite, Untimed, WaveletBlock};
-    use haarline_tests::{BlockSettings, StereoBm};
+    use haarline_tests::sgm::words_for;
+    use haarline_tests::{BlockSettings, Sgm, StereoBm};
 
     /// Calls `with` for every method.
     fn each(mut with: impl FnMut(&str, &mut dyn StereoMethod)) {
@@ -68,6 +70,7 @@ mod tests {
         with("contour", &mut ContourStereo::<BLOCKS, { rows_for(2) }>::new(CONFIG).unwrap());
         with("envelope", &mut EnvelopeStereo::<BLOCKS>::new(CONFIG).unwrap());
         with("block", &mut block.unwrap());
+        with("sgm", &mut Sgm::<{ WIDTH as usize }, { words_for(32) }>::new(CONFIG).unwrap());
     }
 
     #[test]

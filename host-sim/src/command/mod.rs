@@ -67,7 +67,7 @@ enum Command {
     Silicon(silicon::Args),
     /// How long the methods take on this machine, and OpenCV's in turn with them
     Bench(bench::Args),
-    /// What the program takes, from the recordings of a current meter
+    /// What the program takes: planned without hardware, and from the recordings of a current meter
     Power(power::Args),
     /// Repeats the paper's experiments: tables, plots and a page
     Study(study::Args),
@@ -256,7 +256,7 @@ mod tests {
         let cases = [
             ("haarline", "a command is missing: depth, "),
             ("haarline rig", "a command is missing: new, import, "),
-            ("haarline power", "a command is missing: measure; haarline power --help"),
+            ("haarline power", "a command is missing: measure, plan, count; haarline power --help"),
             ("haarline dept", "unrecognized subcommand 'dept'"),
             ("haarline depth", "<LEFT>"),
             ("haarline depth a b --focal-px x", "--focal-px"),

@@ -20,11 +20,12 @@ use crate::input::raw_dump::{RawFormat, ViewSize};
 use crate::input::recording::{Side, find_frames};
 use crate::output;
 use crate::output::claims::Claims;
+use crate::power::plan::currents::Currents;
+use crate::power::plan::full_load::FullLoad;
 use crate::score::degrade::Degradation;
 use crate::stereo::method::MethodKind;
 use crate::stereo::obstacles::{FrameObstacles, ObstacleFinder};
 use crate::twin::elf::{self, Memory};
-use crate::twin::estimate::{CHIPS, Estimate};
 use crate::twin::footage::Footage;
 use crate::twin::machine::Machine;
 use crate::twin::rows::decode;
@@ -141,7 +142,7 @@ struct Summary {
     frame_end_rows: f64,
     /// Instructions of a change of stage, subtracted everywhere.
     clock_instructions: u64,
-    estimates: Vec<Estimate>,
+    estimates: Vec<FullLoad>,
     memory: Memory,
     stack_high_water: u64,
     startup_stack_high_water: u64,
@@ -356,7 +357,7 @@ impl Args {
             frame_end,
             frame_end_rows: frame_end / mean_row.max(1.0),
             clock_instructions: report.get("clock")?,
-            estimates: CHIPS.iter().map(|chip| chip.estimate(total, frame_pixels)).collect(),
+            estimates: FullLoad::of_all(&Currents::own()?, total, frame_pixels)?,
             memory,
             stack_high_water: report.get("stack")?,
             startup_stack_high_water: report.get("startup_stack")?,
@@ -413,7 +414,7 @@ impl Summary {
             self.mean_row, self.worst_row, self.worst_row_ratio, self.frame_end, self.frame_end_rows
         );
         let _ = writeln!(text, "estimated by a model of instruction classes (no cycle was measured):");
-        for Estimate { chip, cycles_per_pixel, fps, core_mw, nj_per_pixel, current_source } in &self.estimates {
+        for FullLoad { chip, cycles_per_pixel, fps, core_mw, nj_per_pixel, current_source } in &self.estimates {
             let _ = writeln!(
                 text,
                 "  {chip}: {cycles_per_pixel:.0} cycles/px, {fps:.1} fps, core {core_mw:.0} mW, {nj_per_pixel:.2} nJ/px ({current_source})"

@@ -13,6 +13,7 @@ mod decimal;
 pub mod measurement;
 pub mod page;
 pub mod phase;
+pub mod plan;
 pub mod segments;
 pub mod stages;
 mod time;

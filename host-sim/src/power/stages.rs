@@ -6,6 +6,8 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use anyhow::{Result, anyhow, ensure};
+use haarline::Stage;
+use haarline_link::measured::{Measured, Unreadable, WORDS};
 use serde::{Deserialize, Serialize};
 
 use crate::input::whole_file;
@@ -48,11 +50,16 @@ impl Log {
     /// Names the file and what is wrong in it.
     pub fn read(path: &Path) -> Result<Self> {
         let name = path.display();
-        let log: Self = serde_json::from_str(&whole_file::text(path)?).map_err(|error| {
-            anyhow!(
-                "{name}: needs clock_hz, seconds, frames, width, height and stage_cycles (a number for each stage): {error}"
-            )
-        })?;
+        let text = whole_file::text(path)?;
+        let log = if text.trim_start().starts_with('{') {
+            serde_json::from_str::<Self>(&text).map_err(|error| {
+                anyhow!(
+                    "{name}: needs clock_hz, seconds, frames, width, height and stage_cycles (a number for each stage): {error}"
+                )
+            })?
+        } else {
+            Self::fetched(&text).map_err(|error| anyhow!("{name}: {error}"))?
+        };
         let is_right =
             [log.clock_hz, log.seconds, log.frames, log.width.into(), log.height.into()].iter().all(|&n| n > 0.0)
                 && log.stage_cycles.values().all(|&cycles| cycles >= 0.0);
@@ -64,6 +71,36 @@ impl Log {
             log.seconds
         );
         Ok(log)
+    }
+
+    /// What a probe fetched from the program's memory: hexadecimal words, in lines with or without an address before them.
+    fn fetched(text: &str) -> Result<Self> {
+        let words = text.split_whitespace().filter(|word| !word.ends_with(':'));
+        let words = words.map(|word| u32::from_str_radix(word.trim_start_matches("0x"), 16));
+        let words: Vec<u32> = words.collect::<Result<_, _>>().map_err(|_| {
+            anyhow!("is neither JSON nor the hexadecimal words of `probe-rs read b32`, {WORDS} of them from HAARLINE_MEASURED on")
+        })?;
+        let Measured { clock_hz, uptime_ms, frames, size: [width, height], stages, .. } = Measured::of(&words)
+            .map_err(|error| match error {
+                Unreadable::Short => anyhow!("has {} words, where {WORDS} are needed", words.len()),
+                Unreadable::Other => {
+                    anyhow!("its words do not begin with those of HAARLINE_MEASURED: is the address right?")
+                }
+                Unreadable::Version(version) => anyhow!("is of version {version}, from another program"),
+                Unreadable::Torn => anyhow!("was read while the program wrote it: read it again"),
+            })?;
+        Ok(Self {
+            clock_hz: clock_hz.into(),
+            seconds: f64::from(uptime_ms) / 1e3,
+            frames: frames.into(),
+            width: width.into(),
+            height: height.into(),
+            stage_cycles: Stage::ALL
+                .iter()
+                .map(|stage| stage.name().to_owned())
+                .zip(stages.map(|n| n as f64))
+                .collect(),
+        })
     }
 
     /// Frames a second.
@@ -112,6 +149,29 @@ mod tests {
             let number = if told == "positive" { "\"seconds\": -1" } else { wrong };
             std::fs::write(&path, text.replace("\"seconds\": 10", number)).unwrap();
             assert!(Log::read(&path).unwrap_err().to_string().contains(told));
+        }
+        let counted = Measured {
+            clock_hz: 100_000_000,
+            uptime_ms: 10_000,
+            slept_ms: 0,
+            frames: 50,
+            rows: 500,
+            size: [100, 10],
+            stages: [40_000_000; Stage::COUNT],
+        };
+        let words = counted.words(3).map(|word| format!("{word:08x}"));
+        std::fs::write(&path, format!("20000100: {}\n", words.join(" "))).unwrap();
+        let log = Log::read(&path).unwrap();
+        assert_eq!((log.frames_per_second(), log.stage_cycles["seeds"]), (5.0, 4e7));
+        for (wrong, told) in [
+            (words[1..].join(" "), "where 30 are needed"),
+            (format!("00000000 {}", words[1..].join(" ")), "is the address right"),
+            (format!("{} 00000009", words[..WORDS - 1].join(" ")), "read it again"),
+            ("no words".to_owned(), "probe-rs read b32"),
+        ] {
+            std::fs::write(&path, wrong).unwrap();
+            let error = Log::read(&path).unwrap_err().to_string();
+            assert!(error.contains(told), "{error}");
         }
         std::fs::write(&path, text.replace("3e8", "3e9")).unwrap();
         assert!(Log::read(&path).unwrap_err().to_string().contains("31.000 s of 10 s"));

@@ -5,9 +5,10 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use anyhow::{Context, Result};
-use haarline::Wiring;
 use haarline::wiring::{First, Kind};
+use haarline::{Config, Stage, Wiring};
 
+use crate::StereoPair;
 use crate::score::degrade::Degradation;
 use crate::score::scene::Scene;
 use crate::stereo::method::MethodKind;
@@ -17,6 +18,15 @@ use crate::twin::{Report, Request, elf};
 
 /// Seconds until a run on the emulated chip is given up.
 const LIMIT: Duration = Duration::from_secs(600);
+
+/// Executed instructions of a pixel.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Instructions {
+    /// Of all stages but the packets.
+    pub total: f64,
+    /// Of making the packets.
+    pub packets: f64,
+}
 
 /// The emulated Cortex-M4F, and the program that runs there.
 #[derive(Debug, Clone)]
@@ -57,9 +67,17 @@ impl Chip {
     fn count(&self, method: MethodKind, scene: &Scene, degradation: &Degradation) -> Result<f64> {
         let mut pair = scene.pair.clone();
         degradation.apply(&scene.name, &mut pair);
+        Ok(self.count_pair(method, &pair, scene.config())?.total)
+    }
+
+    /// Executed instructions of a pixel of that pair.
+    ///
+    /// # Errors
+    /// If the program fails or is given views that are too wide for it.
+    pub fn count_pair(&self, method: MethodKind, pair: &StereoPair, config: Config) -> Result<Instructions> {
         let wiring = Wiring::new(Kind::SideBySide, First::Left);
-        let footage = Footage::record(&[pair], wiring)?;
-        let (config, height) = (scene.config(), scene.pair.left.height);
+        let footage = Footage::record(std::slice::from_ref(pair), wiring)?;
+        let height = pair.height();
         let request =
             Request { config, height, recorded: 1, frames: 1, keep: 1, method, wiring, fault: None, plan: None };
         request.check()?;
@@ -70,6 +88,7 @@ impl Chip {
         Machine::An386.run(folder.path(), "twin.elf", &request.arguments(), LIMIT)?;
         let report = Report::read(&file("report.txt"))?;
         let pixels = report.get("worked_rows")? as f64 * f64::from(config.width);
-        Ok(report.get("total")? as f64 / pixels.max(1.0))
+        let of = |name: &str| Ok::<_, anyhow::Error>(report.get(name)? as f64 / pixels.max(1.0));
+        Ok(Instructions { total: of("total")?, packets: of(Stage::Packets.name())? })
     }
 }

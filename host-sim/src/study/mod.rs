@@ -20,7 +20,7 @@ pub mod same_points;
 pub mod scaled;
 pub mod schwefel;
 
-pub use chip::Chip;
+pub use chip::{Chip, Instructions};
 pub use outcome::{Outcome, Part, Plot, Table};
 pub use same_points::{PointScore, SamePoints};
 

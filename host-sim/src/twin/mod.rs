@@ -1,7 +1,7 @@
 //! The application on an emulated Cortex-M: its program, a run of it, and what the run tells.
 
+pub mod cycles;
 pub mod elf;
-pub mod estimate;
 pub mod footage;
 pub mod machine;
 pub mod obstacles;

@@ -26,6 +26,7 @@ mod overwrite;
 mod pipe;
 mod play;
 mod power;
+mod power_plan;
 mod receive;
 mod record;
 mod rig;

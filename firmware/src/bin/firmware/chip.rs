@@ -1,18 +1,20 @@
 //! The tasks between the cameras and the serial ports.
 
+#[cfg(not(feature = "measure"))]
 use defmt_rtt as _;
 use embassy_executor::Spawner;
 use embassy_futures::join::join;
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use embassy_sync::zerocopy_channel::Channel;
 use embassy_time::Duration;
-use haarline::{ConfigError, Full, Lite, Rectified, Setup, StereoMethod, Untimed, blocks_for};
+use haarline::{ConfigError, Full, Lite, Rectified, Setup, StereoMethod, blocks_for};
 use haarline_firmware::app::autopilot::Sightings;
 use haarline_firmware::app::capture::Patience;
 use haarline_firmware::app::lookout::Lookout;
 use haarline_firmware::app::ring::{From, RAW_ROWS, RESULT_PAIRS, RawRow, ResultRows, SharedCounters, To};
 use haarline_firmware::app::settings::{self, Method};
-use haarline_firmware::app::{alive, autopilot, capture, results, statistics, vision};
+use haarline_firmware::app::shown::{ShownPackets, ShownSink, ShownSource};
+use haarline_firmware::app::{alive, autopilot, capture, measuring, results, statistics, vision};
 use haarline_firmware::board::this::camera::Camera;
 use haarline_firmware::board::this::cycles::CycleClock;
 use haarline_firmware::board::this::dma_memory::DmaCell;
@@ -22,7 +24,7 @@ use haarline_firmware::board::this::sensors::{Ready, Sensors};
 use haarline_firmware::board::this::serial::Serial;
 use haarline_firmware::board::this::start::Started;
 use haarline_firmware::board::this::watchdog::{self, Watchdog};
-use haarline_firmware::board::this::{NAME, idle, prompt, reset, sensors, start};
+use haarline_firmware::board::this::{NAME, clock, idle, phases, prompt, reset, sensors, start};
 use haarline_firmware::rig::{PLAN, SECTORS};
 use haarline_firmware::{dma_cell, stack};
 use static_cell::{ConstStaticCell, StaticCell};
@@ -38,6 +40,10 @@ type Clock = &'static CycleClock;
 /// The method behind rectification, with the rows that the rig needs.
 type Behind = Rectified<&'static mut dyn StereoMethod, { PLAN.waiting_rows() }, { settings::WIDTH as usize }, Clock>;
 
+/// What a probe fetches when a current was measured.
+#[expect(unsafe_code, reason = "a name that a probe's user finds")]
+#[unsafe(no_mangle)]
+static HAARLINE_MEASURED: measuring::Words = measuring::Words::new();
 /// What happened to the camera's frames.
 static COUNTERS: SharedCounters = SharedCounters::new();
 /// The sensors are set up.
@@ -119,6 +125,7 @@ async fn capture_task(mut camera: Camera, ring: To<RawRow>) {
     READY.wait().await;
     camera.begin();
     let raw_len = settings::WIRING.row_bytes(settings::WIDTH);
+    let camera = ShownSource::new(camera, phases::tell);
     capture::capture(camera, ring, &COUNTERS, PATIENCE, raw_len, settings::HEIGHT).await;
 }
 
@@ -143,7 +150,8 @@ async fn vision_task(
 #[embassy_executor::task]
 async fn results_task(rows: From<ResultRows>, serial: Serial) {
     // In interrupts: its cycles are in those of the stages that it comes in.
-    results::results(rows, serial, [settings::WIDTH, PLAN.height], &Untimed).await;
+    let (serial, packets) = (ShownSink::new(serial, phases::tell), ShownPackets(phases::tell));
+    results::results(rows, serial, [settings::WIDTH, PLAN.height], &packets).await;
 }
 
 #[embassy_executor::task]
@@ -158,5 +166,9 @@ async fn sensors_task(sensors: Sensors) {
 
 #[embassy_executor::task]
 async fn statistics_task(clock: Clock) {
+    if cfg!(feature = "measure") {
+        let (hz, size) = (clock::core_hz(start::revision()), [settings::WIDTH, PLAN.height]);
+        measuring::measuring(clock, &COUNTERS, idle::slept_us, hz, size, &HAARLINE_MEASURED).await;
+    }
     statistics::statistics(clock, &COUNTERS, idle::slept_us).await;
 }

@@ -3,6 +3,10 @@
 
 #[cfg(target_os = "none")]
 mod chip;
+// Nobody fetches a log while a current is measured.
+#[cfg(all(target_os = "none", feature = "measure"))]
+#[path = "../../quiet_log.rs"]
+mod quiet_log;
 
 #[cfg(not(target_os = "none"))]
 fn main() {

@@ -1,5 +1,5 @@
-//! The clocks: 480 MHz from the crystal, the buses at 240 and 120 MHz; 400 MHz on silicon that may not run faster, and the
-//! chip's own oscillator where no crystal starts.
+//! The clocks: the core by one of three operating points, from the crystal, or the chip's own oscillator where no crystal
+//! starts; the buses at a half and a quarter of it.
 
 use embassy_stm32::rcc::{
     AHBPrescaler, APBPrescaler, Hse, HseMode, Pll, PllDiv, PllMul, PllPreDiv, PllSource, Sysclk, VoltageScale,
@@ -7,17 +7,56 @@ use embassy_stm32::rcc::{
 use embassy_stm32::time::Hertz;
 use embassy_stm32::{Config, pac};
 
+use super::pair;
 use super::start::Revision;
+use crate::app::ring::RAW_ROWS;
+use crate::app::settings::{FRAME_RATE, HEIGHT, METHOD, Method, WIDTH};
+use crate::rig::{INSTRUCTIONS_FULL, INSTRUCTIONS_LITE};
+
+/// A clock, and the core's voltage that it asks for (RM0433, section 6.6.2).
+#[derive(Clone, Copy)]
+pub struct OperatingPoint {
+    /// The core, MHz.
+    mhz: u32,
+    /// What the core's PLL makes of 8 MHz is twice that.
+    mul: PllMul,
+    /// Of that the sensors' clock, and the divisor as a number.
+    divq: (PllDiv, u32),
+    scale: VoltageScale,
+}
+
+/// All of them, the fastest first. The first is for silicon of revisions X and V only. The sensors' clock is 13.15, 13.11 and
+/// 13.33 MHz: near the MT9V034's lower limit, for slow lines.
+const POINTS: [OperatingPoint; 3] = [
+    OperatingPoint { mhz: 480, mul: PllMul::MUL120, divq: (PllDiv::DIV73, 73), scale: VoltageScale::Scale0 },
+    OperatingPoint { mhz: 400, mul: PllMul::MUL100, divq: (PllDiv::DIV61, 61), scale: VoltageScale::Scale1 },
+    OperatingPoint { mhz: 200, mul: PllMul::MUL50, divq: (PllDiv::DIV30, 30), scale: VoltageScale::Scale3 },
+];
+/// The one that the program is built for: `HAARLINE_CLOCK_MHZ` while it is built, or the slowest by which the method keeps up
+/// with the rig.
+const POINT: OperatingPoint = POINTS[match option_env!("HAARLINE_CLOCK_MHZ") {
+    None => slowest(),
+    Some(text) => match text.as_bytes() {
+        b"480" => 0,
+        b"400" => 1,
+        b"200" => 2,
+        _ => panic!("HAARLINE_CLOCK_MHZ: must be 480, 400 or 200"),
+    },
+}];
+/// Instructions of a pixel: of the method and its packets, as the twin counts them on noisy frames, and of the program around, as
+/// measured on the emulated chip.
+const WORK: u32 = 56
+    + match METHOD {
+        Method::Full => INSTRUCTIONS_FULL,
+        Method::Lite => INSTRUCTIONS_LITE,
+    };
 
 /// The core, Hz.
-pub const CORE: u32 = 480_000_000;
-/// It, on silicon that may not run faster.
-const SLOW_CORE: u32 = 400_000_000;
+pub const CORE: u32 = POINT.mhz * 1_000_000;
 /// What the Nucleo's debugger gives, Hz.
 pub const HSE: u32 = 8_000_000;
-/// The other output of the core's PLL, Hz: the MT9V034's clock, near its lower limit, for slow lines. On slower silicon it is
-/// 13.11 MHz.
-pub const PLL1_Q: u32 = 2 * CORE / 73;
+/// The other output of the core's PLL, Hz: the MT9V034's clock. On slower silicon it may be 13.11 MHz.
+pub const PLL1_Q: u32 = POINT.pll1_q();
 /// Looks at the crystal until it counts as one that does not start, each some 20 cycles of 64 MHz: 100 ms or more.
 const LOOKS: u32 = 400_000;
 
@@ -47,10 +86,41 @@ pub fn find_source() -> Source {
     Source::Internal
 }
 
+impl OperatingPoint {
+    const fn pll1_q(self) -> u32 {
+        2 * self.mhz * 1_000_000 / self.divq.1
+    }
+
+    /// Whether rows are worked on as fast as they come but for what the ring holds, and a frame within nine tenths of its time.
+    const fn keeps_up(self) -> bool {
+        // Times of a row, 1/16 us.
+        let (work, line) = (16 * WIDTH as u32 * WORK / self.mhz, 16 * pair::line_us(self.pll1_q()));
+        let waiting = if work <= line { 0 } else { HEIGHT * (work - line) / work };
+        waiting + 4 <= ROWS && HEIGHT * (work / 16) < 900_000 / FRAME_RATE
+    }
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "a few")]
+const ROWS: u32 = RAW_ROWS as u32;
+
+/// The number of the slowest point that keeps up; the fastest if none does.
+const fn slowest() -> usize {
+    let mut nth = POINTS.len() - 1;
+    while nth > 0 && !POINTS[nth].keeps_up() {
+        nth -= 1;
+    }
+    nth
+}
+
+/// The operating point on that silicon.
+const fn point(revision: Revision) -> OperatingPoint {
+    if POINT.mhz > POINTS[1].mhz && !revision.is_fast() { POINTS[1] } else { POINT }
+}
+
 /// The core's clock on that silicon, Hz.
 #[must_use]
 pub const fn core_hz(revision: Revision) -> u32 {
-    if revision.is_fast() { CORE } else { SLOW_CORE }
+    point(revision).mhz * 1_000_000
 }
 
 /// The set-up of the HAL.
@@ -66,11 +136,7 @@ pub fn config(source: Source, revision: Revision) -> Config {
     if source == Source::Crystal {
         rcc.hse = Some(Hse { freq: Hertz(HSE), mode: HseMode::Bypass });
     }
-    let (mul, divq, scale) = if revision.is_fast() {
-        (PllMul::MUL120, PllDiv::DIV73, VoltageScale::Scale0)
-    } else {
-        (PllMul::MUL100, PllDiv::DIV61, VoltageScale::Scale1)
-    };
+    let OperatingPoint { mul, divq: (divq, _), scale, .. } = point(revision);
     rcc.pll1 =
         Some(Pll { source: input, prediv, mul, fracn: None, divp: Some(PllDiv::DIV2), divq: Some(divq), divr: None });
     rcc.sys = Sysclk::PLL1_P;
@@ -81,5 +147,7 @@ pub fn config(source: Source, revision: Revision) -> Config {
     rcc.apb3_pre = APBPrescaler::DIV2;
     rcc.apb4_pre = APBPrescaler::DIV2;
     rcc.voltage_scale = scale;
+    // A debugger's clocks in sleep would be measured with it.
+    config.enable_debug_during_sleep = !cfg!(feature = "measure");
     config
 }

@@ -5,7 +5,9 @@ use core::cell::Cell;
 use cortex_m::peripheral::{DCB, DWT};
 use haarline::{Stage, StageClock};
 
+use super::phases;
 use crate::app::edge::{Work, WorkClock};
+use crate::app::phase::Activity;
 use crate::app::statistics::StageTotals;
 
 /// Where time goes that is no stage's.
@@ -36,6 +38,7 @@ impl CycleClock {
     }
 
     fn go_to(&self, next: usize) {
+        phases::tell(Activity::Compute, next != REST);
         let now = DWT::cycle_count();
         let spent = now.wrapping_sub(self.last.replace(now));
         if let Some(sum) = self.spent.get(self.current.replace(next)) {

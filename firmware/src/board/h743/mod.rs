@@ -15,6 +15,7 @@
 //! | I2C2 SCL, SDA | PF1, PF0 | second sensor | not in use |
 //! | USART1 TX | PB6 | row packets, 12 Mbaud | |
 //! | UART7 TX, RX | PE8, PE7 | MAVLink, 115,200 baud; RX is not in use | |
+//! | phase, low and high | PE9, PE11 | with the feature `measure`: what the program is doing | |
 
 pub mod camera;
 pub mod clock;
@@ -30,6 +31,7 @@ pub mod pair_hm01b0;
 pub mod pair_mt9v034;
 mod panic;
 pub mod parts;
+pub mod phases;
 pub mod prompt;
 pub mod reset;
 pub mod sensors;

@@ -47,6 +47,11 @@ pub const LINE_LENGTH: u32 = HSE / CLOCK.divisor() / (FRAME_RATE * LINES_A_FRAME
 /// From one line to the next, us.
 pub const LINE_US: u32 = 1_000_000 / (FRAME_RATE * LINES_A_FRAME);
 
+/// The same: their clock is not the core's.
+pub const fn line_us(_: u32) -> u32 {
+    LINE_US
+}
+
 /// How they are set up, both at once.
 pub const SETUPS: [Setup; 1] = {
     let exposure = match PLAN.exposure_lines {

@@ -32,12 +32,19 @@ const LINES_A_FRAME: u32 = INTEGRATION + SPARE_LINES as u32 + HEIGHT;
 /// The longest line, clocks.
 const LONGEST_LINE: u32 = 2 * WIDTH as u32 + MOST_BLANKING as u32;
 /// Clocks of a line with its blanking: as slow as the frame rate and the sensor allow, so that rows come evenly.
-pub const LINE_LENGTH: u32 = {
-    let fits = MASTER_HZ / (FRAME_RATE * LINES_A_FRAME);
-    if fits < LONGEST_LINE { fits } else { LONGEST_LINE }
-};
+pub const LINE_LENGTH: u32 = line_length(MASTER_HZ);
 /// From one line to the next, us.
-pub const LINE_US: u32 = LINE_LENGTH * 1000 / (MASTER_HZ / 1000);
+pub const LINE_US: u32 = line_us(MASTER_HZ);
+
+const fn line_length(master_hz: u32) -> u32 {
+    let fits = master_hz / (FRAME_RATE * LINES_A_FRAME);
+    if fits < LONGEST_LINE { fits } else { LONGEST_LINE }
+}
+
+/// From one line to the next where that is the sensors' clock, us.
+pub const fn line_us(master_hz: u32) -> u32 {
+    line_length(master_hz) * 1000 / (master_hz / 1000)
+}
 /// Longest integration that fits between the pictures, lines.
 const MOST_LINES: u32 = MASTER_HZ / FRAME_RATE / LINE_LENGTH - HEIGHT - SPARE_LINES as u32;
 

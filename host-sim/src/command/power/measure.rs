@@ -47,8 +47,9 @@ pub(in crate::command) struct Args {
     #[arg(long, value_name = "WIDTHxHEIGHT", requires = "fps")]
     size: Option<ViewSize>,
     /// What the chip counted meanwhile, JSON: clock_hz, seconds, frames, width, height and stage_cycles; tells the energy of
-    /// each stage: its cycles times the measured running power
-    #[arg(long, value_name = "FILE.json")]
+    /// each stage: its cycles times the measured running power. Or the words that probe-rs read b32 prints from
+    /// HAARLINE_MEASURED on
+    #[arg(long, value_name = "FILE")]
     log: Option<PathBuf>,
     /// A recording of the idle board, whose power is taken off
     #[arg(long, value_name = "CURRENT.csv")]

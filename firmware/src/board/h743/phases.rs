@@ -1,0 +1,49 @@
+//! The two phase pins: PE9 the low one (D6 on the Nucleo), PE11 the high one (D5). In use with the feature `measure` only.
+
+use core::cell::Cell;
+
+use critical_section::Mutex;
+use embassy_stm32::gpio::{Level, Output, Speed};
+use embassy_stm32::{Peri, pac, peripherals};
+
+use crate::app::phase::{Activities, Activity, Phase};
+
+/// Whether they are in use.
+const ARE_USED: bool = cfg!(feature = "measure");
+/// Their numbers on port E.
+const LOW: usize = 9;
+const HIGH: usize = 11;
+
+static ACTIVITIES: Mutex<Cell<Activities>> = Mutex::new(Cell::new(Activities::NONE));
+
+/// Takes the pins: both low, which is idle.
+pub fn start(low: Peri<'static, peripherals::PE9>, high: Peri<'static, peripherals::PE11>) {
+    if ARE_USED {
+        // Outputs for ever.
+        core::mem::forget(Output::new(low, Level::Low, Speed::Low));
+        core::mem::forget(Output::new(high, Level::Low, Speed::Low));
+    }
+}
+
+/// Something begins or ends.
+pub fn tell(activity: Activity, is_on: bool) {
+    if ARE_USED {
+        critical_section::with(|cs| {
+            let mut activities = ACTIVITIES.borrow(cs).get();
+            if let Some(phase) = activities.set(activity, is_on) {
+                show(phase);
+            }
+            ACTIVITIES.borrow(cs).set(activities);
+        });
+    }
+}
+
+/// Both pins at once.
+fn show(phase: Phase) {
+    let [low, high] = phase.pins();
+    pac::GPIOE.bsrr().write(|w| {
+        for (pin, is_high) in [(LOW, low), (HIGH, high)] {
+            if is_high { w.set_bs(pin, true) } else { w.set_br(pin, true) }
+        }
+    });
+}
