@@ -1,7 +1,7 @@
 //! Whether a rig has bent, as it works: how far the right view lies lower than the left one, behind whatever rectification
 //! there is. A running figure, cheap enough for a chip.
 //!
-//! Of every frame one band of rows is kept, each time another one. Of its blocks of 8 x 4 px whose answers are sure and
+//! Of every second frame one band of rows is kept, each time another one. Of its blocks of 8 x 4 px whose answers are sure and
 //! alike, what the right view shows at the answer is compared with what the left one shows, by the step of Lucas and
 //! Kanade ("An iterative image registration technique", 1981): the shift, along rows and across, that explains the difference
 //! of the two by their gradients. The shift along rows is what the disparity leaves; the one across is the row error. Blocks
@@ -47,8 +47,8 @@ const MOST_Q8: i64 = 512;
 const GAIN: [i64; 2] = [7, 8];
 /// A band takes one of so many parts of what was known before.
 const FORGET: i64 = 16;
-/// Weight without which nothing is told: some fifty usual blocks.
-const LEAST_WEIGHT: i64 = 4000;
+/// Weight without which nothing is told: some hundred usual blocks.
+const LEAST_WEIGHT: i64 = 8000;
 
 /// A block of a view and a pixel on each side.
 type Smooth = [[i16; SIDES[0] + 2]; SIDES[1] + 2];
@@ -80,6 +80,8 @@ enum State {
     Comparing(usize),
     /// Until the frame's end.
     Done,
+    /// Until the next frame's end, too.
+    Resting,
 }
 
 impl<const WIDTH: usize> RowWatch<WIDTH> {
@@ -105,6 +107,8 @@ impl<const WIDTH: usize> RowWatch<WIDTH> {
     pub fn start(&mut self) {
         self.came = 0;
         if self.state == State::Done {
+            self.state = State::Resting;
+        } else if self.state == State::Resting {
             self.top += STRIDE;
             if self.top + BELOW > self.height {
                 // Other rows than the last time.
@@ -122,7 +126,7 @@ impl<const WIDTH: usize> RowWatch<WIDTH> {
         match self.state {
             State::Gathering => self.keep(pair),
             State::Comparing(nth) => self.compare(nth),
-            State::Done => {}
+            State::Done | State::Resting => {}
         }
         self.came += 1;
     }

@@ -29,6 +29,7 @@ mod power;
 mod receive;
 mod record;
 mod rig;
+mod rig_check;
 mod rig_correct;
 mod rig_import;
 mod scene;

@@ -88,7 +88,8 @@ fn every_part_tells_the_offset_that_is_there() {
             told += 1;
         }
     }
-    assert!(told > 45, "{told}");
+    // Of a part of 13 x 16 px three blocks at most tell.
+    assert!(told > 20, "{told}");
     assert_eq!(found.rows_q16(parts), None);
 }
 
