@@ -46,7 +46,7 @@ MISTAKES = {
     "no-crystal": (4, r"the crystal does not start: running by the chip's own oscillator"),
 }
 # Frames a second of the reference rig.
-REFERENCE_RATE = 30
+REFERENCE_RATE = 25
 
 
 def run(*command, **options):

@@ -310,20 +310,20 @@ mod tests {
     #[test]
     fn a_row_error_is_found_to_a_tenth_of_a_pixel() {
         for rows in [-0.8, -0.3, 0.0, 0.25, 0.5, 1.0] {
-            let found = watched(&mut behind(full(), Ramp::default()), rows, 12).unwrap();
+            let found = watched(&mut behind(full(), Ramp::default()), rows, 30).unwrap();
             assert!((found - rows).abs() < 0.1, "{rows}: {found}");
         }
         let lite: Lite<{ blocks_for(WIDTH) }> = Lite::new(*full().config()).unwrap();
-        let found = watched(&mut behind(lite, Ramp::default()), -0.5, 12).unwrap();
+        let found = watched(&mut behind(lite, Ramp::default()), -0.5, 30).unwrap();
         assert!((found + 0.5).abs() < 0.1, "{found}");
     }
 
     #[test]
     fn what_rectification_takes_away_is_none() {
         let ramp = Ramp { rows_q16: 3 << 15, ..Ramp::default() };
-        let found = watched(&mut behind(full(), ramp), 1.5, 12).unwrap();
+        let found = watched(&mut behind(full(), ramp), 1.5, 24).unwrap();
         assert!(found.abs() < 0.1, "{found}");
-        let found = watched(&mut behind(full(), ramp), 2.1, 12).unwrap();
+        let found = watched(&mut behind(full(), ramp), 2.1, 24).unwrap();
         assert!((found - 0.6).abs() < 0.15, "{found}");
     }
 
@@ -331,10 +331,10 @@ mod tests {
     fn it_follows_a_rig_that_bends_and_knows_nothing_in_the_dark() {
         let mut method = behind(full(), Ramp::default());
         assert_eq!(watched(&mut method, 0.0, 1), None, "one band says too little");
-        assert!(watched(&mut method, 0.0, 20).unwrap().abs() < 0.1);
-        assert!(watched(&mut method, 0.7, 40).unwrap() > 0.55);
+        assert!(watched(&mut method, 0.0, 30).unwrap().abs() < 0.1);
+        assert!(watched(&mut method, 0.7, 90).unwrap() > 0.55);
         let dark = [20; WIDTH as usize];
-        for _ in 0..80 {
+        for _ in 0..120 {
             for _ in 0..ROWS {
                 method.push(ScanlinePair { left: &dark, right: &dark }, &mut |_| ()).unwrap();
             }
@@ -350,7 +350,7 @@ mod tests {
             (0..ROWS).for_each(|_| method.miss(&mut |_| ()));
             method.finish(&mut |_| ());
         }
-        assert!(watched(&mut method, 0.4, 14).unwrap() > 0.3);
+        assert!(watched(&mut method, 0.4, 30).unwrap() > 0.3);
         let mut low = RowWatch::<32>::new([32, 9]);
         low.start();
         low.push(None);

@@ -38,7 +38,8 @@ impl Sender {
         let mut bytes = self.encoder.begin(frame, [WIDTH, 1], &counters, &mut buffer).unwrap().to_vec();
         let row = DisparityRow { y: 0, disparity: &disparity, confidence: &confidence };
         bytes.extend_from_slice(self.encoder.row(frame, row, &mut buffer).unwrap());
-        let figures = FrameFigures { input: Input::Ok, mismatch: Some(123), sure: 750, row_error_q8: Some(self.row_error_q8) };
+        let figures =
+            FrameFigures { input: Input::Ok, mismatch: Some(123), sure: 750, row_error_q8: Some(self.row_error_q8) };
         let end = FrameEnd { rows: 1, figures: Some(figures), ..FrameEnd::NONE };
         bytes.extend_from_slice(self.encoder.end(frame, &end, &counters, &mut buffer).unwrap());
         self.next += 1;
