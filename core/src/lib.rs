@@ -73,7 +73,7 @@ pub use method::tile_pipeline;
 pub use method::{contour_stereo, envelope, full, lite, parts, stereo, wavelet_block};
 #[cfg(feature = "packet")]
 pub use output::packet;
-pub use output::{correction, fill, frame_figures, obstacle, rig};
+pub use output::{correction, fill, frame_figures, obstacle, rig, row_watch};
 
 pub use config::Config;
 pub use contour_stereo::{ContourSettings, ContourStereo};

@@ -26,7 +26,7 @@ TARGET_DIR = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
 ARM_TOOLCHAIN = os.environ.get("ARM_TOOLCHAIN")
 ARM_DIR = TARGET_DIR / "arm" if ARM_TOOLCHAIN else TARGET_DIR
 EMULATOR, HAARLINE = TARGET_DIR / "release" / "haarline-emulator", TARGET_DIR / "release" / "haarline"
-METHODS = ["full", "lite", "wavelet-block", "block"]
+METHODS = ["full", "lite", "wavelet-block", "block", "sgm"]
 # Longer than any run takes, ms of the chip's time.
 LIMIT = 100_000_000
 

@@ -6,6 +6,7 @@ use super::estimate::Estimate;
 use super::gradient::{BESIDE, Gradients};
 use super::line::Line;
 use super::order::Disparities;
+use super::places::{PARTS, Places};
 use crate::{Config, ConfigError, Ramp, Rectification, RectifiedRow, Rectifier, RowError, ScanlinePair};
 
 /// What a pass looks for.
@@ -95,6 +96,7 @@ struct Bench<const WIDTH: usize> {
     cells: Cells,
     line: Line,
     disparities: Disparities,
+    places: Places,
     /// Costs of every row offset, all blocks together.
     totals: [u64; 2 * MAX_REACH + 1],
     frames: u32,
@@ -162,6 +164,16 @@ impl<const ROWS: usize, const WIDTH: usize> Aligner<ROWS, WIDTH> {
     pub const fn estimate(&self) -> &Estimate {
         &self.bench.estimate
     }
+
+    /// Parts of the view across and down of which [`rows_q16`](Self::rows_q16) tells.
+    pub const PARTS: [usize; 2] = PARTS;
+
+    /// How far the right view lies lower in a part of it, from the left and from the top, 1/65536 px: what blocks there
+    /// say, without the ramp through all of them. `None` where too little was seen; holds after the last pass.
+    #[must_use]
+    pub fn rows_q16(&self, part: [usize; 2]) -> Option<i32> {
+        self.bench.places.rows_q16(part)
+    }
 }
 
 impl<const WIDTH: usize> Bench<WIDTH> {
@@ -195,6 +207,7 @@ impl<const WIDTH: usize> Bench<WIDTH> {
             cells: Cells::new(),
             line: Line::default(),
             disparities: Disparities::new(),
+            places: Places::new(),
             totals: [0; 2 * MAX_REACH + 1],
             frames: 0,
         }
@@ -218,6 +231,7 @@ impl<const WIDTH: usize> Bench<WIDTH> {
         self.cells.clear();
         self.line = Line::default();
         self.disparities.clear();
+        self.places.clear();
         self.totals.fill(0);
         self.frames = 0;
         self.start_frame();
@@ -320,6 +334,9 @@ impl<const WIDTH: usize> Bench<WIDTH> {
             let near = scale * i64::from(minimum.weight) / (scale + i64::from(in_px) * i64::from(in_px));
             let weight = u32::try_from(near).unwrap_or(0);
             self.line.add(twice, in_px, weight);
+            // A block tells of the left view's rows.
+            let rows_q16 = self.estimate.ramp.displacement_q16(twice) - 256 * in_px;
+            self.places.add(twice, self.settings.size, rows_q16, weight);
             if pass.kind == Kind::Disparities {
                 self.disparities.add(self.blocks.disparity(block, offset), twice[1], weight);
             }

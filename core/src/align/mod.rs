@@ -9,6 +9,7 @@
 //!   paper's two-dimensional extremum search (section 5);
 //! - `line`: those of later passes, each about what the pass before found: a plane through the blocks' offsets;
 //! - `order`: whether the views are swapped;
+//! - `places`: the offsets by part of the view;
 //! - `aligner`: the passes.
 
 mod aligner;
@@ -18,6 +19,7 @@ mod estimate;
 mod gradient;
 mod line;
 mod order;
+mod places;
 
 pub use aligner::{Aligner, Settings};
 pub use estimate::{Estimate, Order, Verdict};

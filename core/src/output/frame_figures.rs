@@ -77,6 +77,31 @@ pub struct FrameFigures {
     pub mismatch: Option<u16>,
     /// Share of the pixels with a sure answer, per mille.
     pub sure: u16,
+    /// How far the right view lies lower, 1/256 px: a running figure of this frame and those before, told behind
+    /// [`Rectified`](crate::Rectified) only; none where too little was sure of late.
+    pub row_error_q8: Option<i16>,
+}
+
+/// Tells whether a rig has bent, by the running row error of its frames.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Bend {
+    is_bent: bool,
+}
+
+impl Bend {
+    /// A row error as great as this is a bent rig's, 1/256 px: half a row, which costs `full` three points of tot2.
+    pub const LEAST_Q8: u16 = 128;
+    /// Below this it is one no longer.
+    pub const OVER_Q8: u16 = 96;
+
+    /// Takes the figures of the next frame; whether the rig is bent. What is not known changes nothing.
+    pub fn take(&mut self, figures: Option<FrameFigures>) -> bool {
+        if let Some(error) = figures.and_then(|figures| figures.row_error_q8) {
+            let limit = if self.is_bent { Self::OVER_Q8 } else { Self::LEAST_Q8 };
+            self.is_bent = error.unsigned_abs() >= limit;
+        }
+        self.is_bent
+    }
 }
 
 /// Decides frame by frame whether obstacles are told at all. Cameras whose frames matched do not become swapped or bent
@@ -194,7 +219,7 @@ impl FrameSums {
         } else {
             Input::Ok
         };
-        Some(FrameFigures { input, mismatch, sure })
+        Some(FrameFigures { input, mismatch, sure, row_error_q8: None })
     }
 }
 
@@ -293,6 +318,19 @@ mod tests {
         (inputs[0], inputs[10], inputs[11]) = (Input::Ok, Input::Ok, Input::NothingSeen);
         let (yes, no) = (true, false);
         told(&inputs, &[yes, yes, yes, yes, yes, yes, yes, yes, no, no, yes, no, yes]);
+    }
+
+    #[test]
+    fn a_rig_is_bent_from_half_a_row_on_and_until_it_is_less_than_three_eighths() {
+        let mut bend = Bend::default();
+        let mut take = |error| {
+            let figures = FrameFigures { input: Input::Ok, mismatch: None, sure: 0, row_error_q8: error };
+            bend.take(Some(figures))
+        };
+        assert_eq!(
+            [Some(127), Some(-128), None, Some(97), Some(95), Some(-127)].map(&mut take),
+            [false, true, true, true, false, false]
+        );
     }
 
     #[test]

@@ -184,7 +184,7 @@ pub fn run(
     for reset in resets {
         let _ = writeln!(text, "{reset}");
     }
-    for told in session.told() {
+    for told in session.told().filter(|told| !board.is_excused(told)) {
         let _ = writeln!(text, "told: {told:?}");
     }
     for (address, fault) in session.refused() {

@@ -39,7 +39,7 @@ impl Pace {
 }
 
 /// Sends messages of vehicle `system` for ever. Without frames there are no obstacles to tell of, and nothing is
-/// repeated, of frames that do not match no sector is known: the heartbeat says [`State::Blind`], and the autopilot's own time-out does the rest.
+/// repeated, of frames that do not match no sector is known: the heartbeat says [`State::Blind`], of a bent rig [`State::Bent`], and the autopilot's own time-out does the rest.
 pub async fn autopilot<const SECTORS: usize>(
     sightings: &Sightings<SECTORS>,
     reach: &Reach,
@@ -52,11 +52,21 @@ pub async fn autopilot<const SECTORS: usize>(
     let mut pace = Pace::default();
     loop {
         match select(sightings.wait(), ticker.next()).await {
-            Either::First(Sighting { frame, begun_us, is_trusted, sectors, nearest_mm }) => {
-                let before = core::mem::replace(&mut state, if is_trusted { State::Active } else { State::Blind });
+            Either::First(Sighting { frame, begun_us, is_trusted, is_bent, sectors, nearest_mm }) => {
+                let now = match (is_trusted, is_bent) {
+                    (false, _) => State::Blind,
+                    (true, true) => State::Bent,
+                    (true, false) => State::Active,
+                };
+                let before = core::mem::replace(&mut state, now);
                 beats = 0;
                 if !is_trusted && before != State::Blind {
                     defmt::warn!("the views do not match, or show nothing: telling the autopilot");
+                }
+                if now == State::Bent && before != State::Bent {
+                    defmt::warn!(
+                        "the rig has bent, rows are half a pixel off or more: telling the autopilot; align it anew"
+                    );
                 }
                 pace.take(begun_us);
                 let nearest_mm = nearest_mm.into_iter().take(sectors);
@@ -64,7 +74,7 @@ pub async fn autopilot<const SECTORS: usize>(
             }
             Either::Second(()) => {
                 beats = beats.saturating_add(1);
-                if state == State::Active && beats > PATIENCE {
+                if matches!(state, State::Active | State::Bent) && beats > PATIENCE {
                     state = State::Blind;
                     defmt::warn!("no frame for {=u8} s: telling the autopilot", PATIENCE);
                 }

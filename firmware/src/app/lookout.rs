@@ -1,6 +1,6 @@
 //! Looks for obstacles in the disparity rows as they pass.
 
-use haarline::frame_figures::{FrameFigures, Input, Trust};
+use haarline::frame_figures::{Bend, FrameFigures, Input, Trust};
 use haarline::obstacle::ObstacleError;
 use haarline::{DisparityRow, Obstacles, Setup};
 
@@ -13,6 +13,8 @@ pub struct Sighting<const SECTORS: usize> {
     pub begun_us: u64,
     /// Whether the cameras are believed: else nothing is told, and no sector is known.
     pub is_trusted: bool,
+    /// Whether the rig has bent: its distances are in doubt.
+    pub is_bent: bool,
     /// Sectors that count, from the left.
     pub sectors: usize,
     /// Distance over the ground to the nearest obstacle of each, mm; `None` is unknown.
@@ -23,6 +25,7 @@ pub struct Sighting<const SECTORS: usize> {
 pub struct Lookout<const SECTORS: usize, const BLOCKS: usize, T> {
     obstacles: Obstacles<SECTORS, BLOCKS>,
     trust: Trust,
+    bend: Bend,
     tell: T,
 }
 
@@ -35,7 +38,7 @@ impl<const SECTORS: usize, const BLOCKS: usize, T: FnMut(Sighting<SECTORS>)> Loo
         let size = [setup.config.width, setup.height];
         let settings = haarline::obstacle::Settings::DEFAULT;
         let obstacles = Obstacles::new(size, setup.rig, setup.mounting, setup.sectors, settings)?;
-        Ok(Self { obstacles, trust: Trust::default(), tell })
+        Ok(Self { obstacles, trust: Trust::default(), bend: Bend::default(), tell })
     }
 
     /// Takes the next row of the frame.
@@ -47,7 +50,8 @@ impl<const SECTORS: usize, const BLOCKS: usize, T: FnMut(Sighting<SECTORS>)> Loo
     /// known.
     pub fn end(&mut self, frame: u32, begun_us: u64, figures: Option<FrameFigures>) {
         let is_trusted = self.trust.take(figures.map_or(Input::Ok, |figures| figures.input));
-        let mut sighting = Sighting { frame, begun_us, is_trusted, sectors: 0, nearest_mm: [None; SECTORS] };
+        let is_bent = self.bend.take(figures);
+        let mut sighting = Sighting { frame, begun_us, is_trusted, is_bent, sectors: 0, nearest_mm: [None; SECTORS] };
         for (place, nearest_mm) in sighting.nearest_mm.iter_mut().zip(self.obstacles.nearest_mm()) {
             *place = nearest_mm.filter(|_| is_trusted);
             sighting.sectors += 1;

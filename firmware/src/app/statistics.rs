@@ -62,7 +62,7 @@ fn frames(counters: &SharedCounters) {
         counters.long,
         counters.stalled
     );
-    if let Some(FrameFigures { input, mismatch, sure }) = last.figures {
+    if let Some(FrameFigures { input, mismatch, sure, row_error_q8 }) = last.figures {
         defmt::info!(
             "input {=str}, mismatch {=u16} per mille, sure {=u16} per mille; frames not sent {=u32}",
             input.name(),
@@ -70,5 +70,9 @@ fn frames(counters: &SharedCounters) {
             sure,
             last.unsent_frames
         );
+        match row_error_q8 {
+            Some(error) => defmt::info!("row error {=i16}/256 px", error),
+            None => defmt::info!("row error not known: too little was sure of late"),
+        }
     }
 }

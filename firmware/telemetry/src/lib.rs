@@ -30,6 +30,9 @@ pub const MAX_BYTES: usize = 10 + OBSTACLE_DISTANCE_DATA::ENCODED_LEN + 2;
 /// The component that messages come from: `MAV_COMP_ID_OBSTACLE_AVOIDANCE`.
 pub const COMPONENT: u8 = 196;
 
+/// `custom_mode` of the heartbeat of a rig that has bent.
+pub const BENT: u32 = 1;
+
 /// How the sender does.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum State {
@@ -37,6 +40,9 @@ pub enum State {
     Starting,
     /// Frames come and are worked on: `MAV_STATE_ACTIVE`.
     Active,
+    /// The same, but the cameras' rows no longer lie as they did, so that distances are in doubt: `MAV_STATE_CRITICAL` with
+    /// [`BENT`] as the `custom_mode`.
+    Bent,
     /// No frame came out since the last heartbeat, or what came is no stereo pair: `MAV_STATE_CRITICAL`.
     Blind,
 }
@@ -103,14 +109,14 @@ impl Link {
     /// `HEARTBEAT` of a companion computer: to be sent once a second.
     pub fn heartbeat(&mut self, state: State) -> Message {
         self.message(&HEARTBEAT_DATA {
-            custom_mode: 0,
+            custom_mode: if state == State::Bent { BENT } else { 0 },
             mavtype: MavType::MAV_TYPE_ONBOARD_CONTROLLER,
             autopilot: MavAutopilot::MAV_AUTOPILOT_INVALID,
             base_mode: MavModeFlag::empty(),
             system_status: match state {
                 State::Starting => MavState::MAV_STATE_BOOT,
                 State::Active => MavState::MAV_STATE_ACTIVE,
-                State::Blind => MavState::MAV_STATE_CRITICAL,
+                State::Bent | State::Blind => MavState::MAV_STATE_CRITICAL,
             },
             mavlink_version: 3,
         })

@@ -87,7 +87,7 @@ impl Args {
         let found = Displacement::from(&estimate.ramp);
         let summary = Summary::new(&estimate, &found, frames.len(), damaged);
         if let Some(path) = self.picture.as_ref().filter(|_| estimate.ramp.is_valid()) {
-            output::write(path, &align_picture::encode(&middle, estimate.ramp)?)?;
+            output::write(path, &align_picture::encode(&middle, &estimate.ramp.into())?)?;
         }
         let refused = refusal(&estimate);
         let mut text = summary.text();

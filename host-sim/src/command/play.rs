@@ -13,7 +13,7 @@ use serde::Serialize;
 
 use super::shared::{
     DepthOptions, FillArg, LayoutArgs, MethodOptions, MinConfidence, RangeArg, RigArg, SearchRange, WiringArgs,
-    progress, warn_input, warn_skipped,
+    bent_words, progress, warn_input, warn_skipped,
 };
 use super::{Finding, number, print, whole_number};
 use crate::input::raw_dump::{RawFormat, ViewSize};
@@ -165,6 +165,7 @@ impl Args {
         ensure!(totals.frames > 0, "{}: ended before there was one frame", self.recording.display());
         let summary = self.summary(&totals, &writer, recorded.unwrap_or(totals.frames), format);
         print(&if self.json { serde_json::to_string(&summary)? + "\n" } else { summary.text() })?;
+        warn_bent(&totals);
         warn_wrong_input(&totals);
         let damaged = totals.damaged;
         ensure!(damaged == 0, Finding(format!("{damaged} of {} were damaged and skipped", count(totals.frames))));
@@ -321,6 +322,14 @@ fn warn_of_pace(frame_rate_hz: u16) {
             "frame_rate_hz = {frame_rate_hz}: autopilots forget a distance after 0.5 s, let the rig take 3 frames a \
              second or more"
         ));
+    }
+}
+
+/// One warning for the whole recording: that its rig has bent.
+fn warn_bent(totals: &Totals) {
+    if let Some(error) = totals.row_error_px.filter(|_| totals.bent > 0) {
+        let all = count(totals.frames - totals.damaged);
+        warn_input(&format!("{} of {all}: {}; frames.csv tells which", totals.bent, bent_words(error)));
     }
 }
 

@@ -5,17 +5,17 @@ use std::io::{self, ErrorKind, Read};
 use std::path::{Path, PathBuf};
 
 use anyhow::{Result, anyhow, ensure};
+use haarline::frame_figures::{Bend, Input};
 use haarline::packet::VERSION;
 use serde::Serialize;
 
-use super::shared::MinConfidence;
+use super::shared::{MinConfidence, bent_words};
 use super::{Finding, print};
-use haarline::frame_figures::Input;
-
 use crate::input::packet_stream::{PacketStream, ReceivedFrame};
 use crate::output::claims::Claims;
 use crate::output::growing::GrowingTable;
 use crate::output::{self, pfm};
+use crate::stereo::frame_check::row_error_px;
 
 /// Bytes that are read at once.
 const PIECE: usize = 16 << 10;
@@ -110,12 +110,24 @@ struct Maps<'a> {
     frames: usize,
     whole: usize,
     warned: bool,
+    bend: Bend,
+    is_bent: bool,
 }
 
 impl<'a> Maps<'a> {
     fn begin(folder: &'a Path, min_confidence: u8) -> Result<Self> {
         let table = GrowingTable::create(&folder.join("frames.csv"))?;
-        Ok(Self { folder, min_confidence, table, names: Names::default(), frames: 0, whole: 0, warned: false })
+        Ok(Self {
+            folder,
+            min_confidence,
+            table,
+            names: Names::default(),
+            frames: 0,
+            whole: 0,
+            warned: false,
+            bend: Bend::default(),
+            is_bent: false,
+        })
     }
 
     fn add(&mut self, mut frame: ReceivedFrame) -> Result<()> {
@@ -125,6 +137,12 @@ impl<'a> Maps<'a> {
             self.warned = true;
             eprintln!("warning: frame {}: {advice}", frame.number);
         }
+        let is_bent = self.bend.take(frame.figures);
+        if let Some(error) = frame.figures.and_then(|figures| figures.row_error_q8).filter(|_| is_bent && !self.is_bent)
+        {
+            eprintln!("warning: frame {}: {}", frame.number, bent_words(row_error_px(error)));
+        }
+        self.is_bent = is_bent;
         output::write(&self.folder.join(self.names.next(frame.number)), &pfm::encode(&frame.map))?;
         self.table.add(&Row::of(&frame))?;
         self.frames += 1;
@@ -172,6 +190,7 @@ struct Row {
     input: Option<&'static str>,
     mismatch_percent: Option<f64>,
     share_sure: Option<f64>,
+    row_error_px: Option<f64>,
     frames: u32,
     rows: u32,
     dropped_rows: u32,
@@ -198,6 +217,7 @@ impl Row {
             input: frame.figures.map(|figures| figures.input.name()),
             mismatch_percent: frame.figures.and_then(|figures| figures.mismatch).map(percent),
             share_sure: frame.figures.map(|figures| percent(figures.sure)),
+            row_error_px: frame.figures.and_then(|figures| figures.row_error_q8).map(row_error_px),
             frames: c.frames,
             rows: c.rows,
             dropped_rows: c.dropped_rows,
@@ -233,15 +253,15 @@ mod tests {
             number: 7,
             map: DisparityMap::with_capacity(4, 2),
             counters: Counters { frames: 8, rows: 2, overruns: 1, ..Counters::ZERO },
-            figures: Some(FrameFigures { input: Input::Ok, mismatch: Some(123), sure: 750 }),
+            figures: Some(FrameFigures { input: Input::Ok, mismatch: Some(123), sure: 750, row_error_q8: Some(-160) }),
             missing_rows: vec![1],
             is_whole: false,
         };
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("frames.csv");
         GrowingTable::create(&path).unwrap().add(&Row::of(&frame)).unwrap();
-        let wanted = "frame,whole,missing_rows,input,mismatch_percent,share_sure,frames,rows,dropped_rows,dropped_frames,overruns,short,long,stalled,\
-                      dma_errors\n7,0,1,ok,12.3,75.0,8,2,0,0,1,0,0,0,0\n";
+        let wanted = "frame,whole,missing_rows,input,mismatch_percent,share_sure,row_error_px,frames,rows,dropped_rows,dropped_frames,overruns,short,long,stalled,\
+                      dma_errors\n7,0,1,ok,12.3,75.0,-0.625,8,2,0,0,1,0,0,0,0\n";
         assert_eq!(fs::read_to_string(&path).unwrap(), wanted);
     }
 }

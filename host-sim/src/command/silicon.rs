@@ -32,8 +32,8 @@ pub(super) struct Args {
     /// Flashes this program first, by probe-rs: the ELF file of `bench`
     #[arg(long, value_name = "FILE")]
     flash: Option<PathBuf>,
-    /// Methods to run; sgm does not fit the board's fast memory
-    #[arg(long, value_enum, value_name = "A,B,...", value_delimiter = ',', default_values_t = [MethodKind::Full, MethodKind::Lite, MethodKind::WaveletBlock, MethodKind::Block])]
+    /// Methods to run; the state of sgm lies in the board's slower memory
+    #[arg(long, value_enum, value_name = "A,B,...", value_delimiter = ',', default_values_t = [MethodKind::Full, MethodKind::Lite, MethodKind::WaveletBlock, MethodKind::Block, MethodKind::Sgm])]
     methods: Vec<MethodKind>,
     /// Only these scenes, by the names of their folders
     #[arg(long, value_name = "A,B,...", value_delimiter = ',')]

@@ -218,6 +218,7 @@ impl Args {
                     nearest_mm,
                     free: Vec::new(),
                     is_trusted: true,
+                    is_bent: false,
                 });
                 output::write(path, &finder.encode_csv(&frames.collect::<Vec<_>>())?)?;
             }

@@ -11,7 +11,8 @@ use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread;
 
 use anyhow::{Result, ensure};
-use haarline::{Config, Rectification, StereoMethod};
+use haarline::frame_figures::Bend;
+use haarline::{Config, Rectification, Rectified, StereoMethod};
 use haarline_rig::Description;
 
 pub use report::{FrameReport, Status, Totals};
@@ -20,8 +21,8 @@ pub use writer::{Files, FrameWriter, ObstacleTotals, Played, Seen};
 use crate::input::recording::RecordedFrame;
 use crate::input::{noise, rig_file};
 use crate::stereo::frame_check::FrameCheck;
-use crate::stereo::method::Method;
-use crate::stereo::obstacles::ObstacleFinder;
+use crate::stereo::method::{Method, OwnMethod};
+use crate::stereo::obstacles::{FrameObstacles, ObstacleFinder};
 use crate::stereo::pipeline;
 use crate::{DisparityMap, StereoPair};
 
@@ -75,13 +76,22 @@ impl Taken {
 /// A frame that was read.
 type Read = (Taken, Result<(StereoPair, Option<f64>)>);
 
+/// A method that looks through a rig's rectification, and watches whether the rig bends.
+type Behind = Rectified<OwnMethod, { pipeline::RECTIFY_ROWS }, { Config::MAX_WIDTH as usize }>;
+
 /// Plays frames of one size.
 pub struct Player {
-    method: Box<dyn StereoMethod + Send>,
+    method: Box<Behind>,
     height: usize,
     min_confidence: u8,
     fills: bool,
+    bend: Bend,
     rig: Option<(Rectification, ObstacleFinder)>,
+}
+
+/// Puts a method behind a rectification.
+fn behind(method: OwnMethod, height: usize, rectification: Rectification) -> Result<Box<Behind>> {
+    Ok(Box::new(Behind::new(method, u16::try_from(height).unwrap_or(u16::MAX), rectification)?))
 }
 
 impl Player {
@@ -90,7 +100,8 @@ impl Player {
     /// # Errors
     /// If the method refuses the configuration.
     pub fn new(method: impl Into<Method>, config: Config, height: usize, min_confidence: u8) -> Result<Self> {
-        Ok(Self { method: method.into().build(config)?, height, min_confidence, fills: false, rig: None })
+        let method = behind(OwnMethod(method.into().build(config)?), height, Rectification::default())?;
+        Ok(Self { method, height, min_confidence, fills: false, bend: Bend::default(), rig: None })
     }
 
     /// The same, whose maps have their holes filled after the obstacles were looked for, or not.
@@ -110,7 +121,10 @@ impl Player {
             Some(mm) => ObstacleFinder::with_free_beyond(rig, mm)?,
             None => ObstacleFinder::new(rig)?,
         };
-        self.rig = Some((rig.rectification()?, finder));
+        let rectification = rig.rectification()?;
+        let Self { method, height, .. } = self;
+        self.method = behind(method.into_method(), height, rectification)?;
+        self.rig = Some((rectification, finder));
         Ok(self)
     }
 
@@ -168,15 +182,20 @@ impl Player {
 
     fn match_one(&mut self, taken: Taken, pair: StereoPair, noise: Option<f64>) -> Result<Played> {
         let rectification = self.rig.as_ref().map_or_else(Rectification::default, |(rectification, _)| *rectification);
-        let mut run = pipeline::run_rectified(&mut *self.method, &rectification, &pair)?;
+        let mut run = pipeline::run(&mut *self.method, &pair)?;
+        let is_bent = self.bend.take(run.figures);
         let (pair, rest) = pipeline::seen_views(&rectification, pair)?;
         let check = FrameCheck::told(run.figures, &pair, &rest, &run.map);
         run.map.drop_below(self.min_confidence);
-        let obstacles = self.rig.as_mut().map(|(_, finder)| finder.find_checked(taken.index, &run.map, &check));
+        let obstacles = self
+            .rig
+            .as_mut()
+            .map(|(_, finder)| finder.find_checked(taken.index, &run.map, &check))
+            .map(|found| FrameObstacles { is_bent, ..found });
         if self.fills {
             run.map.fill_holes();
         }
-        let report = FrameReport::played(&taken, &run, noise, &check);
+        let report = FrameReport::played(&taken, &run, noise, &check, is_bent);
         let map: DisparityMap = run.map;
         Ok(Played { name: taken.name, report, seen: Some(Seen { map, left: pair.left, obstacles }) })
     }
@@ -244,10 +263,10 @@ mod tests {
         assert_eq!(lines.len(), 4);
         assert_eq!(
             lines[0],
-            "frame,file,status,density,median_disparity_px,noise,pixels,answered,rows,rows_unknown,milliseconds,input,mismatch_percent,share_sure,error"
+            "frame,file,status,density,median_disparity_px,noise,pixels,answered,rows,rows_unknown,milliseconds,input,mismatch_percent,share_sure,row_error_px,error"
         );
         assert!(lines[1].starts_with("0,a.png,ok,") && lines[1].ends_with(','), "{}", lines[1]);
-        assert!(lines[2].starts_with("1,\"b, cut.png\",damaged,,,,,,,,,,,,"), "{}", lines[2]);
+        assert!(lines[2].starts_with("1,\"b, cut.png\",damaged,,,,,,,,,,,,,"), "{}", lines[2]);
     }
 
     #[test]

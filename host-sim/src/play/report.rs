@@ -46,6 +46,12 @@ pub struct FrameReport {
     /// Share of the pixels with a sure answer, percent.
     #[serde(serialize_with = "rounded")]
     pub share_sure: Option<f64>,
+    /// How far the right view lies lower, px: of this frame and those before, where enough was sure.
+    #[serde(serialize_with = "rounded")]
+    pub row_error_px: Option<f64>,
+    /// Whether it is so much that the rig must have bent.
+    #[serde(skip)]
+    pub is_bent: bool,
     /// Why it could not be played.
     pub error: Option<String>,
 }
@@ -83,6 +89,8 @@ impl FrameReport {
             input: None,
             mismatch_percent: None,
             share_sure: None,
+            row_error_px: None,
+            is_bent: false,
             error: Some(words.split_whitespace().collect::<Vec<_>>().join(" ")),
         }
     }
@@ -92,6 +100,7 @@ impl FrameReport {
         Run { map, elapsed, .. }: &Run,
         noise: Option<f64>,
         check: &FrameCheck,
+        is_bent: bool,
     ) -> Self {
         let is_unknown = |row: &&[haarline::Disparity]| !row.iter().any(|disparity| disparity.is_known());
         Self {
@@ -109,6 +118,8 @@ impl FrameReport {
             input: Some(check.input),
             mismatch_percent: check.mismatch_percent,
             share_sure: Some(check.share_sure),
+            row_error_px: check.row_error_px,
+            is_bent,
             error: None,
         }
     }
@@ -131,6 +142,10 @@ pub struct Totals {
     pub damaged_frames: Vec<FrameReport>,
     /// How many frames are what as a whole; those that are as they should be are left out.
     pub wrong_input: BTreeMap<Input, usize>,
+    /// Frames of a rig that has bent.
+    pub bent: usize,
+    /// The row error of the last frame of which one is known, px.
+    pub row_error_px: Option<f64>,
     density: Mean,
     noise: Mean,
     share_sure: Mean,
@@ -170,6 +185,8 @@ impl Totals {
                 self.damaged_frames.push(report.clone());
             }
         }
+        self.bent += usize::from(report.is_bent);
+        self.row_error_px = report.row_error_px.or(self.row_error_px);
         self.density.add(report.density);
         self.noise.add(report.noise);
         self.share_sure.add(report.share_sure);

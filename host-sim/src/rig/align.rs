@@ -21,6 +21,12 @@ pub fn align(pair: &StereoPair) -> Result<Estimate> {
     align_all([pair.width(), pair.height()], |see| see(pair))
 }
 
+/// Parts of the view across and down of which row offsets are told.
+pub const PARTS: [usize; 2] = Alignment::PARTS;
+
+/// A figure by part of the view, row by row.
+pub type Parts = [[Option<f64>; PARTS[0]]; PARTS[1]];
+
 /// Aligns the two views of frames of `size` px. Every pass looks at all of them: `frames` is called for each, and hands every
 /// frame to what it is given, so that one frame at a time must be held.
 ///
@@ -28,8 +34,19 @@ pub fn align(pair: &StereoPair) -> Result<Estimate> {
 /// If the core does not take views of that size, a frame has another one, or `frames` gives up.
 pub fn align_all(
     size: [usize; 2],
-    mut frames: impl FnMut(&mut dyn FnMut(&StereoPair) -> Result<()>) -> Result<()>,
+    frames: impl FnMut(&mut dyn FnMut(&StereoPair) -> Result<()>) -> Result<()>,
 ) -> Result<Estimate> {
+    Ok(align_parts(size, frames)?.0)
+}
+
+/// The same, and the row offset by part of the view, px.
+///
+/// # Errors
+/// As [`align_all`].
+pub fn align_parts(
+    size: [usize; 2],
+    mut frames: impl FnMut(&mut dyn FnMut(&StereoPair) -> Result<()>) -> Result<()>,
+) -> Result<(Estimate, Parts)> {
     let settings = Settings::new(size.map(|px| px as u16));
     let mut aligner = on_large_stack(|| Alignment::new(settings).map(Box::new))?;
     while aligner.pass() < Alignment::PASSES {
@@ -50,7 +67,9 @@ pub fn align_all(
         })?;
         aligner.end_pass();
     }
-    Ok(*aligner.estimate())
+    let rows = |down: usize, across: usize| aligner.rows_q16([across, down]).map(|rows| f64::from(rows) / 65_536.0);
+    let parts = std::array::from_fn(|down| std::array::from_fn(|across| rows(down, across)));
+    Ok((*aligner.estimate(), parts))
 }
 
 /// How many frames all passes look at together.

@@ -1,7 +1,7 @@
-//! Both views of a frame with rows drawn through them, before and after alignment.
+//! Both views of a frame with rows drawn through them, as they came and rectified.
 
 use anyhow::Result;
-use haarline::Ramp;
+use haarline::Rectification;
 use image::{ExtendedColorType, Rgb, RgbImage};
 
 use crate::output;
@@ -18,14 +18,14 @@ const GAP: usize = 6;
 /// The picture as PNG: the views as they came above, rectified below.
 ///
 /// # Errors
-/// If the ramp is out of its range.
-pub fn encode(pair: &StereoPair, ramp: Ramp) -> Result<Vec<u8>> {
+/// If a figure of the rectification is out of its range.
+pub fn encode(pair: &StereoPair, rectification: &Rectification) -> Result<Vec<u8>> {
     let zoom = if pair.width() < SMALL { 2 } else { 1 };
     let (width, height) = (pair.width() * zoom, pair.height() * zoom);
     let mut picture = RgbImage::new((2 * width + GAP) as u32, (2 * height + GAP) as u32);
-    let after = pipeline::rectified_views(&ramp.into(), pair)?.right;
-    for (top, right) in [(0, &pair.right), (height + GAP, &after)] {
-        for (left, view) in [(0, &pair.left), (width + GAP, right)] {
+    let after = pipeline::rectified_views(rectification, pair)?;
+    for (top, views) in [(0, pair), (height + GAP, &after)] {
+        for (left, view) in [(0, &views.left), (width + GAP, &views.right)] {
             draw(&mut picture, [left, top], view, zoom);
         }
         for y in (EVERY / 2..pair.height()).step_by(EVERY) {

@@ -32,14 +32,24 @@ pub struct FrameCheck {
     pub mismatch_percent: Option<f64>,
     /// Share of the pixels with a sure answer, percent.
     pub share_sure: f64,
+    /// How far the right view lies lower, px: of this frame and those before, where enough was sure.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub row_error_px: Option<f64>,
 }
 
 impl From<FrameFigures> for FrameCheck {
-    fn from(FrameFigures { input, mismatch, sure }: FrameFigures) -> Self {
+    fn from(FrameFigures { input, mismatch, sure, row_error_q8 }: FrameFigures) -> Self {
         let percent = |per_mille: u16| f64::from(per_mille) / 10.0;
         let (mismatch_percent, share_sure) = (mismatch.map(percent), percent(sure));
-        Self { input_ok: input == Input::Ok, input, mismatch_percent, share_sure }
+        let row_error_px = row_error_q8.map(row_error_px);
+        Self { input_ok: input == Input::Ok, input, mismatch_percent, share_sure, row_error_px }
     }
+}
+
+/// A row error of 1/256 px in px.
+#[must_use]
+pub fn row_error_px(q8: i16) -> f64 {
+    f64::from(q8) / 256.0
 }
 
 impl FrameCheck {
@@ -75,7 +85,7 @@ impl FrameCheck {
         };
         let sure = map.confidence.iter().filter(|&&confidence| confidence >= Settings::SURE).count();
         let share_sure = 100.0 * sure as f64 / map.confidence.len().max(1) as f64;
-        Self { input_ok: input == Input::Ok, input, mismatch_percent, share_sure }
+        Self { input_ok: input == Input::Ok, input, mismatch_percent, share_sure, row_error_px: None }
     }
 
     /// In a few words, for a summary.

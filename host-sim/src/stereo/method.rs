@@ -6,9 +6,10 @@ use std::thread::{self, ScopedJoinHandle};
 use anyhow::{Result, bail};
 use clap::ValueEnum;
 use haarline::contour_stereo::rows_for;
+use haarline::frame_figures::FrameFigures;
 use haarline::{
-    Config, ConfigError, ContourSettings, ContourStereo, EnvelopeStereo, Full, Lite, Scales, StereoMethod,
-    WaveletBlock, blocks_for,
+    Config, ConfigError, ContourSettings, ContourStereo, DisparityRow, EnvelopeStereo, Full, Lite, RowError, Scales,
+    ScanlinePair, StereoMethod, WaveletBlock, blocks_for,
 };
 use haarline_tests::sgm::words_for;
 use haarline_tests::{BlockSettings, Ncc, Sgm, Ssd, StereoBm};
@@ -82,6 +83,35 @@ impl Method {
     /// If the configuration or a setting is refused.
     pub fn build(self, config: Config) -> Result<Box<dyn StereoMethod + Send>, ConfigError> {
         on_large_stack(|| self.kind.build_here(config, self.contours))
+    }
+}
+
+/// A method on the heap, to be put behind something.
+pub struct OwnMethod(pub Box<dyn StereoMethod + Send>);
+
+impl StereoMethod for OwnMethod {
+    fn config(&self) -> &Config {
+        self.0.config()
+    }
+
+    fn start(&mut self) {
+        self.0.start();
+    }
+
+    fn push(&mut self, pair: ScanlinePair<'_>, sink: &mut dyn FnMut(DisparityRow<'_>)) -> Result<(), RowError> {
+        self.0.push(pair, sink)
+    }
+
+    fn miss(&mut self, sink: &mut dyn FnMut(DisparityRow<'_>)) {
+        self.0.miss(sink);
+    }
+
+    fn finish(&mut self, sink: &mut dyn FnMut(DisparityRow<'_>)) {
+        self.0.finish(sink);
+    }
+
+    fn figures(&self) -> Option<FrameFigures> {
+        self.0.figures()
     }
 }
 

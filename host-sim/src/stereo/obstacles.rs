@@ -25,6 +25,8 @@ pub struct FrameObstacles {
     pub free: Vec<bool>,
     /// Whether the frame is believed at all ([`Trust`]). Of one that is not no sector is known.
     pub is_trusted: bool,
+    /// Whether the rig has bent ([`Bend`](haarline::frame_figures::Bend)): its distances are in doubt.
+    pub is_bent: bool,
 }
 
 /// Looks for obstacles in maps of one rig.
@@ -90,10 +92,11 @@ impl ObstacleFinder {
         if self.trust.take(check.input) {
             let nearest_mm = self.find(map);
             let free = self.finder.free().map(|free| free && check.input_ok).collect();
-            FrameObstacles { frame, nearest_mm, free, is_trusted: true }
+            FrameObstacles { frame, nearest_mm, free, is_trusted: true, is_bent: false }
         } else {
             let sectors = self.setup.sectors.count;
-            FrameObstacles { frame, nearest_mm: vec![None; sectors], free: vec![false; sectors], is_trusted: false }
+            let (nearest_mm, free) = (vec![None; sectors], vec![false; sectors]);
+            FrameObstacles { frame, nearest_mm, free, is_trusted: false, is_bent: false }
         }
     }
 
@@ -178,7 +181,7 @@ impl FrameObstacles {
     /// Of a frame without a map nothing is known.
     #[must_use]
     pub const fn without_map(frame: usize) -> Self {
-        Self { frame, nearest_mm: Vec::new(), free: Vec::new(), is_trusted: false }
+        Self { frame, nearest_mm: Vec::new(), free: Vec::new(), is_trusted: false, is_bent: false }
     }
 
     /// A line of `obstacles.csv`: the frame, and of each of `sectors` whole cm, empty where it is unknown.
@@ -191,7 +194,7 @@ impl FrameObstacles {
 }
 
 /// What a board would send to an autopilot: `OBSTACLE_DISTANCE` of each frame that has a map, as if they came at
-/// the rig's frame rate, and a `HEARTBEAT` each second: [`State::Blind`] while frames are not believed, or for
+/// the rig's frame rate, and a `HEARTBEAT` each second: [`State::Bent`] while the rig is, [`State::Blind`] while frames are not believed, or for
 /// [`MavlinkFeed::PATIENCE_S`] have no map.
 #[derive(Debug, Clone)]
 pub struct MavlinkFeed {
@@ -211,11 +214,17 @@ impl MavlinkFeed {
 
     /// The messages of the next frame.
     #[must_use]
-    pub fn next(&mut self, FrameObstacles { frame, nearest_mm, free, is_trusted }: &FrameObstacles) -> Vec<u8> {
+    pub fn next(
+        &mut self,
+        FrameObstacles { frame, nearest_mm, free, is_trusted, is_bent }: &FrameObstacles,
+    ) -> Vec<u8> {
         let mut bytes = Vec::new();
         self.without_map = if nearest_mm.is_empty() { self.without_map + 1 } else { 0 };
         self.state = match self.state {
-            State::Active if self.without_map > Self::PATIENCE_S * u64::from(self.frame_rate_hz) => State::Blind,
+            State::Active | State::Bent if self.without_map > Self::PATIENCE_S * u64::from(self.frame_rate_hz) => {
+                State::Blind
+            }
+            _ if self.without_map == 0 && *is_trusted && *is_bent => State::Bent,
             _ if self.without_map == 0 && *is_trusted => State::Active,
             _ if self.without_map == 0 => State::Blind,
             before => before,
@@ -276,7 +285,10 @@ mod tests {
         let mut nearest_mm = vec![None; 17];
         (nearest_mm[0], nearest_mm[8]) = (Some(12_345), Some(1509));
         let free = Vec::new();
-        let frames = [FrameObstacles { frame: 3, nearest_mm, free, is_trusted: true }, FrameObstacles::without_map(4)];
+        let frames = [
+            FrameObstacles { frame: 3, nearest_mm, free, is_trusted: true, is_bent: false },
+            FrameObstacles::without_map(4),
+        ];
         let csv = String::from_utf8(finder().encode_csv(&frames).unwrap()).unwrap();
         let lines: Vec<&str> = csv.lines().collect();
         assert_eq!(lines[0], "frame,-40,-35,-30,-25,-20,-15,-10,-5,0,5,10,15,20,25,30,35,40");
@@ -285,7 +297,7 @@ mod tests {
     }
 
     #[test]
-    fn the_heartbeat_says_blind_of_frames_that_are_not_believed_or_have_no_map() {
+    fn the_heartbeat_says_blind_of_frames_that_are_not_believed_or_have_no_map_and_bent_of_a_bent_rig() {
         const CRITICAL: u8 = 5;
         const ACTIVE: u8 = 4;
         let of = |is_trusted, has_map| FrameObstacles {
@@ -293,6 +305,7 @@ mod tests {
             nearest_mm: vec![None; if has_map { 17 } else { 0 }],
             free: Vec::new(),
             is_trusted,
+            is_bent: false,
         };
         let mut feed = finder().feed();
         // A second's frames, of which the first one's heartbeat is read: the status is the last byte but 3 of 9 + 12.
@@ -301,10 +314,12 @@ mod tests {
             for _ in 1..feed.frame_rate_hz {
                 assert!(feed.next(frame).first().is_none_or(|_| frame.nearest_mm.len() == 17));
             }
-            beat[10 + 7]
+            (beat[10 + 7], beat[10])
         };
         let (good, wrong, none) = (of(true, true), of(false, true), of(false, false));
-        let found = [&good, &wrong, &good, &none, &none, &none, &good].map(second);
-        assert_eq!(found, [ACTIVE, CRITICAL, ACTIVE, ACTIVE, ACTIVE, CRITICAL, ACTIVE]);
+        let bent = FrameObstacles { is_bent: true, ..of(true, true) };
+        let found = [&good, &wrong, &good, &none, &none, &none, &bent, &good].map(second);
+        let [active, blind, bent] = [(ACTIVE, 0), (CRITICAL, 0), (CRITICAL, 1)];
+        assert_eq!(found, [active, blind, active, active, active, blind, bent, active]);
     }
 }

@@ -30,6 +30,7 @@ mod power_plan;
 mod receive;
 mod record;
 mod rig;
+mod rig_check;
 mod rig_correct;
 mod rig_import;
 mod scene;

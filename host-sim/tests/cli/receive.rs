@@ -19,11 +19,13 @@ const WIDTH: u16 = 32;
 pub struct Sender {
     encoder: Encoder,
     next: u32,
+    /// Of every frame, 1/256 px.
+    row_error_q8: i16,
 }
 
 impl Sender {
     pub fn new() -> Self {
-        Self { encoder: Encoder::new(), next: 0 }
+        Self { encoder: Encoder::new(), next: 0, row_error_q8: 30 }
     }
 
     /// The packets of the next frame: pixels of confidence 200, the first 8 of confidence 7.
@@ -36,7 +38,8 @@ impl Sender {
         let mut bytes = self.encoder.begin(frame, [WIDTH, 1], &counters, &mut buffer).unwrap().to_vec();
         let row = DisparityRow { y: 0, disparity: &disparity, confidence: &confidence };
         bytes.extend_from_slice(self.encoder.row(frame, row, &mut buffer).unwrap());
-        let figures = FrameFigures { input: Input::Ok, mismatch: Some(123), sure: 750 };
+        let figures =
+            FrameFigures { input: Input::Ok, mismatch: Some(123), sure: 750, row_error_q8: Some(self.row_error_q8) };
         let end = FrameEnd { rows: 1, figures: Some(figures), ..FrameEnd::NONE };
         bytes.extend_from_slice(self.encoder.end(frame, &end, &counters, &mut buffer).unwrap());
         self.next += 1;
@@ -94,6 +97,21 @@ fn pixels_of_less_confidence_are_unknown_in_its_maps() {
         bench.succeeds(&format!("receive packets.bin -o maps --min-confidence {least}"));
         assert_eq!(Map::from_pfm(&bench.read("maps/000000.pfm")).known().len(), known, "{least}");
     }
+}
+
+#[test]
+fn a_rig_that_has_bent_is_told_once_and_frame_by_frame_in_the_table() {
+    let (bench, mut sender) = (Bench::new(), Sender::new());
+    let mut bytes = sender.frame();
+    sender.row_error_q8 = -160;
+    bytes.extend([sender.frame(), sender.frame()].concat());
+    bench.write("packets", bytes);
+    let outcome = bench.succeeds_on_odd_views("receive packets -o maps");
+    assert_eq!(outcome.stderr.matches("the rig has bent").count(), 1, "{outcome:?}");
+    assert!(outcome.stderr.contains("frame 1: the rig has bent: the right view lies 0.62 px higher"), "{outcome:?}");
+    let table = String::from_utf8(bench.read("maps/frames.csv")).unwrap();
+    let lines: Vec<&str> = table.lines().collect();
+    assert!(lines[0].contains("share_sure,row_error_px,") && lines[2].contains(",75.0,-0.625,"), "{table}");
 }
 
 /// The most memory that it took so far, KiB.

@@ -36,7 +36,11 @@ fn views(ramp: Ramp) -> [Vec<u8>; 2] {
     views
 }
 
-fn align([left, right]: &[Vec<u8>; 2], lost: &[usize]) -> Estimate {
+fn align(views: &[Vec<u8>; 2], lost: &[usize]) -> Estimate {
+    *aligned(views, lost).estimate()
+}
+
+fn aligned([left, right]: &[Vec<u8>; 2], lost: &[usize]) -> Aligner<64, 128> {
     let mut aligner = Aligner::<64, 128>::new(Settings::new(SIZE)).unwrap();
     while aligner.pass() < Aligner::<64, 128>::PASSES {
         for (y, (left, right)) in left.chunks(128).zip(right.chunks(128)).enumerate() {
@@ -49,7 +53,7 @@ fn align([left, right]: &[Vec<u8>; 2], lost: &[usize]) -> Estimate {
         aligner.end_frame();
         aligner.end_pass();
     }
-    *aligner.estimate()
+    aligner
 }
 
 #[test]
@@ -64,6 +68,29 @@ fn offset_roll_and_scale_are_found_with_and_without_all_rows() {
         assert_eq!((found.verdict(), found.order()), (Verdict::Observable, Order::AsGiven), "{found:?}");
         assert!(found.evaluations <= 100);
     }
+}
+
+#[test]
+fn every_part_tells_the_offset_that_is_there() {
+    // A roll of 1.1 degrees: two and a half rows from one side to the other.
+    let ramp = Ramp { rows_q16: 65_536, roll_q16: 1300, scale_q16: 0 };
+    let found = aligned(&views(ramp), &[]);
+    let parts = Aligner::<64, 128>::PARTS;
+    let mut told = 0;
+    for across in 0..parts[0] {
+        for down in 0..parts[1] {
+            let Some(rows) = found.rows_q16([across, down]) else { continue };
+            let twice = [(across, parts[0], 128), (down, parts[1], 96)];
+            let twice =
+                twice.map(|(part, parts, size)| i32::try_from((2 * part + 1) * size / parts).unwrap() - size as i32);
+            let error = f64::from(rows - ramp.displacement_q16(twice)) / 65_536.0;
+            assert!(error.abs() < 0.15, "{across} {down}: {error}");
+            told += 1;
+        }
+    }
+    // Of a part of 13 x 16 px three blocks at most tell.
+    assert!(told > 20, "{told}");
+    assert_eq!(found.rows_q16(parts), None);
 }
 
 #[test]

@@ -1,7 +1,8 @@
 //! A stereo method behind a rig that is rectified as it streams.
 
-use super::{Offset, Rectification, RectifiedRow, Rectifier};
+use super::{Offset, Rectification, Rectifier};
 use crate::frame_figures::{FrameFigures, Input};
+use crate::row_watch::RowWatch;
 use crate::{
     Config, ConfigError, Correction, Disparity, DisparityRow, RowError, ScanlinePair, Stage, StageClock, StereoMethod,
     Untimed,
@@ -9,6 +10,8 @@ use crate::{
 
 /// A stereo method behind a rig's rectification: takes the rows as they come, hands on rectified ones, corrects the
 /// disparities.
+///
+/// It watches whether the rig bends meanwhile ([`FrameFigures::row_error_q8`]).
 ///
 /// As [`Rectifier`] with the capacities `ROWS` and `WIDTH`. Rows that are missed there are missed by the method: their
 /// disparities come out unknown. A rig without displacement costs nothing: its rows are handed on as they are.
@@ -22,6 +25,13 @@ pub struct Rectified<M, const ROWS: usize, const WIDTH: usize, C = Untimed> {
     differ: bool,
     /// Whether those of the last frame were the same image.
     were_same: bool,
+    after: After<WIDTH>,
+}
+
+/// What comes before and after the method.
+#[derive(Debug, Clone)]
+struct After<const WIDTH: usize> {
+    watch: RowWatch<WIDTH>,
     correction: Option<Correction>,
     corrected: [Disparity; WIDTH],
 }
@@ -51,14 +61,20 @@ impl<M: StereoMethod, const ROWS: usize, const WIDTH: usize, C: StageClock> Rect
         let size = [method.config().width, height];
         let correction = rectification.correction.map(|correction| correction.of_size(size));
         let rectifier = if rectification.is_straight() { None } else { Some(Rectifier::new(size, rectification)?) };
-        let corrected = [Disparity::UNKNOWN; WIDTH];
-        Ok(Self { method, clock, rectifier, differ: false, were_same: false, correction, corrected })
+        let after = After { watch: RowWatch::new(size), correction, corrected: [Disparity::UNKNOWN; WIDTH] };
+        Ok(Self { method, clock, rectifier, differ: false, were_same: false, after })
     }
 
     /// The method behind.
     #[must_use]
     pub const fn method(&self) -> &M {
         &self.method
+    }
+
+    /// The method behind, without what is before it.
+    #[must_use]
+    pub fn into_method(self) -> M {
+        self.method
     }
 
     /// At most so many rows after a row came it reaches the method.
@@ -69,16 +85,33 @@ impl<M: StereoMethod, const ROWS: usize, const WIDTH: usize, C: StageClock> Rect
 }
 
 /// Hands a row on.
-fn hand_on<M: StereoMethod>(
+fn hand_on<M: StereoMethod, const WIDTH: usize>(
     method: &mut M,
-    row: &RectifiedRow<'_>,
+    after: &mut After<WIDTH>,
+    clock: &impl StageClock,
+    pair: Option<ScanlinePair<'_>>,
     sink: &mut dyn FnMut(DisparityRow<'_>),
 ) -> Result<(), RowError> {
-    match row.pair {
-        Some(pair) => method.push(pair, sink),
-        None => {
-            method.miss(sink);
-            Ok(())
+    match pair {
+        Some(pair) => method.push(pair, &mut |row| after.take(&row, sink))?,
+        None => method.miss(&mut |row| after.take(&row, sink)),
+    }
+    clock.enter(Stage::Rectify);
+    after.watch.push(pair);
+    Ok(())
+}
+
+impl<const WIDTH: usize> After<WIDTH> {
+    /// Hands a row of the method on, its disparities corrected.
+    fn take(&mut self, row: &DisparityRow<'_>, sink: &mut dyn FnMut(DisparityRow<'_>)) {
+        self.watch.answer(row);
+        match (self.correction, self.corrected.get_mut(..row.disparity.len())) {
+            (Some(correction), Some(corrected)) => {
+                corrected.copy_from_slice(row.disparity);
+                correction.apply(row.y, corrected);
+                sink(DisparityRow { disparity: corrected, ..*row });
+            }
+            _ => sink(*row),
         }
     }
 }
@@ -93,70 +126,47 @@ impl<M: StereoMethod, const ROWS: usize, const WIDTH: usize, C: StageClock> Ster
     fn start(&mut self) {
         self.rectifier.iter_mut().for_each(Rectifier::start);
         self.differ = false;
+        self.after.watch.start();
         self.method.start();
     }
 
     fn push(&mut self, pair: ScanlinePair<'_>, sink: &mut dyn FnMut(DisparityRow<'_>)) -> Result<(), RowError> {
-        let Self { method, clock, rectifier, differ, correction, corrected, .. } = self;
-        let sink = &mut |row: DisparityRow<'_>| correct(*correction, corrected, &row, sink);
-        let Some(rectifier) = rectifier else { return method.push(pair, sink) };
+        let Self { method, clock, rectifier, differ, after, .. } = self;
+        let Some(rectifier) = rectifier else { return hand_on(method, after, clock, Some(pair), sink) };
         clock.enter(Stage::Rectify);
         *differ = *differ || pair.left != pair.right;
         let mut outcome = Ok(());
-        rectifier.push(pair, &mut |row| {
-            outcome = hand_on(method, &row, sink);
-            clock.enter(Stage::Rectify);
-        })?;
+        rectifier.push(pair, &mut |row| outcome = hand_on(method, after, clock, row.pair, sink))?;
         outcome
     }
 
     fn miss(&mut self, sink: &mut dyn FnMut(DisparityRow<'_>)) {
-        let Self { method, clock, rectifier, correction, corrected, .. } = self;
-        let sink = &mut |row: DisparityRow<'_>| correct(*correction, corrected, &row, sink);
-        let Some(rectifier) = rectifier else { return method.miss(sink) };
-        clock.enter(Stage::Rectify);
-        // Its width is the method's.
-        rectifier.miss(&mut |row| {
-            let _ = hand_on(method, &row, sink);
-            clock.enter(Stage::Rectify);
-        });
+        let Self { method, clock, rectifier, after, .. } = self;
+        // What is missed is of no width, and the rectifier's width is the method's.
+        match rectifier {
+            None => _ = hand_on(method, after, clock, None, sink),
+            Some(rectifier) => {
+                clock.enter(Stage::Rectify);
+                rectifier.miss(&mut |row| _ = hand_on(method, after, clock, row.pair, sink));
+            }
+        }
     }
 
     fn finish(&mut self, sink: &mut dyn FnMut(DisparityRow<'_>)) {
-        let Self { method, clock, rectifier, differ, were_same, correction, corrected } = self;
-        let sink = &mut |row: DisparityRow<'_>| correct(*correction, corrected, &row, sink);
+        let Self { method, clock, rectifier, differ, were_same, after } = self;
         if let Some(rectifier) = rectifier {
             *were_same = !core::mem::take(differ);
             clock.enter(Stage::Rectify);
-            rectifier.finish(&mut |row| {
-                let _ = hand_on(method, &row, sink);
-                clock.enter(Stage::Rectify);
-            });
+            rectifier.finish(&mut |row| _ = hand_on(method, after, clock, row.pair, sink));
         }
-        method.finish(sink);
+        method.finish(&mut |row| after.take(&row, sink));
+        after.watch.start();
     }
 
     fn figures(&self) -> Option<FrameFigures> {
         let figures = self.method.figures()?;
         // Moved against each other, the same images are two.
         let input = if self.were_same && figures.input != Input::NothingSeen { Input::SameView } else { figures.input };
-        Some(FrameFigures { input, ..figures })
-    }
-}
-
-/// Hands a row on with its disparities corrected.
-fn correct(
-    correction: Option<Correction>,
-    room: &mut [Disparity],
-    row: &DisparityRow<'_>,
-    sink: &mut dyn FnMut(DisparityRow<'_>),
-) {
-    match (correction, room.get_mut(..row.disparity.len())) {
-        (Some(correction), Some(room)) => {
-            room.copy_from_slice(row.disparity);
-            correction.apply(row.y, room);
-            sink(DisparityRow { disparity: room, ..*row });
-        }
-        _ => sink(*row),
+        Some(FrameFigures { input, row_error_q8: self.after.watch.row_error_q8(), ..figures })
     }
 }

@@ -61,10 +61,15 @@ impl Camera {
         let rise = baseline * rise_q22;
         let above_lowest = at_least(lowest_mm - height_mm, rise, i64::from(doubt));
         let below_highest = at_least(height_mm - highest_mm, -rise, 0);
+        let (least, most) = (above_lowest.0.max(below_highest.0), above_lowest.1.min(below_highest.1));
+        let narrow = |bits: i64| i16::try_from(bits.clamp(0, i64::from(i16::MAX))).unwrap_or(0);
+        // None has 0, and what lies beyond what it can have is nothing.
+        let is_empty = least > i64::from(i16::MAX) || most < 1;
         Some(Lane {
             twice_middle: (column_q8 + 64) >> 7,
-            least: above_lowest.0.max(below_highest.0),
-            most: above_lowest.1.min(below_highest.1),
+            least,
+            most,
+            within: if is_empty { [1, 0] } else { [narrow(least.max(1)), narrow(most)] },
             ahead_q22,
             // Below 2^24 * 2^37 / 2^22.
             ahead: u64::try_from((baseline * ahead_q22) >> 22).unwrap_or(0),
@@ -95,6 +100,8 @@ pub(super) struct Lane {
     /// Disparities within the band of heights, 1/16 px.
     least: i64,
     most: i64,
+    /// Those of them that a disparity can have.
+    within: [i16; 2],
     /// Focal length x distance ahead / depth, px.
     ahead_q22: i64,
     /// The same x baseline, µm px: distance ahead x disparity.
@@ -105,7 +112,7 @@ impl Lane {
     /// Whether a point of that disparity, 1/16 px, lies within the band of heights.
     #[inline]
     pub(super) fn holds(&self, bits: i16) -> bool {
-        bits > 0 && (self.least..=self.most).contains(&i64::from(bits))
+        (self.within[0]..=self.within[1]).contains(&bits)
     }
 
     /// Distance over the ground of a point of disparity `bits` > 0, mm, rounded down.
@@ -133,27 +140,44 @@ impl Lane {
 }
 
 /// Tells the sectors of columns that rise.
-#[derive(Debug)]
-pub(super) struct Directions<'a> {
-    lane: &'a Lane,
+#[derive(Debug, Clone)]
+pub(super) struct Directions<const N: usize> {
+    twice_middle: i32,
+    /// Where the first sector begins and each ends, half pixels right of the middle.
+    left: i32,
+    right: [i32; N],
+    count: usize,
     /// The sector of the column asked for last, or the one before it.
     sector: usize,
 }
 
-impl<'a> Directions<'a> {
-    pub(super) const fn new(lane: &'a Lane) -> Self {
-        Self { lane, sector: 0 }
+impl<const N: usize> Directions<N> {
+    /// As a row sees them.
+    pub(super) fn new(lane: &Lane, sectors: &Sectors<N>) -> Self {
+        let column = |tangent: i32| i32::try_from(lane.column_of(tangent)).unwrap_or(i32::MAX);
+        let mut right = [i32::MAX; N];
+        right.iter_mut().zip(sectors.right_borders()).for_each(|(to, tangent)| *to = column(tangent));
+        let left = sectors.left_q16.first().map_or(0, |&tangent| column(tangent));
+        let twice_middle = i32::try_from(lane.twice_middle).unwrap_or(i32::MAX);
+        Self { twice_middle, left, right, count: sectors.count, sector: 0 }
     }
 
     /// The sector in which the middle of `column` lies; none is outside of all. Each column must lie right of
-    /// the one before.
-    pub(super) fn sector_of<const N: usize>(&mut self, column: usize, sectors: &Sectors<N>) -> Option<usize> {
-        let at = 2 * i64::try_from(column).ok()? - self.lane.twice_middle;
-        let left = sectors.left_q16.first()?;
-        if at < self.lane.column_of(*left) {
+    /// the one before, or be the first after [`rewind`](Self::rewind).
+    #[inline]
+    pub(super) fn sector_of(&mut self, column: usize) -> Option<usize> {
+        let at = i32::try_from(2 * column).ok()?.saturating_sub(self.twice_middle);
+        if at < self.left {
             return None;
         }
-        self.sector += sectors.right_borders().skip(self.sector).take_while(|&t| at >= self.lane.column_of(t)).count();
-        (self.sector < sectors.count).then_some(self.sector)
+        while self.right.get(self.sector).is_some_and(|&right| at >= right) {
+            self.sector += 1;
+        }
+        (self.sector < self.count).then_some(self.sector)
+    }
+
+    /// Begins again at the left.
+    pub(super) const fn rewind(&mut self) {
+        self.sector = 0;
     }
 }

@@ -299,9 +299,9 @@ impl<const SECTORS: usize, const BLOCKS: usize> Obstacles<SECTORS, BLOCKS> {
     fn clear(&mut self, lane: &Lane, row: &DisparityRow<'_>) {
         let Some(reach) = lane.reach(self.settings.free_beyond_mm) else { return };
         let samples = row.disparity.iter().zip(row.confidence).take(self.camera.width());
-        let mut directions = Directions::new(lane);
+        let mut directions = Directions::new(lane, &self.sectors);
         for (index, (disparity, &confidence)) in samples.enumerate().skip(Self::SAMPLE).step_by(SIZE) {
-            let Some(sector) = directions.sector_of(index, &self.sectors) else { continue };
+            let Some(sector) = directions.sector_of(index) else { continue };
             let sure = disparity.known().filter(|_| confidence >= self.settings.min_confidence);
             if let Some(clearance) = self.clearance.get_mut(sector) {
                 clearance.add(&reach, sure.map(|bits| reach.is_clear(lane, bits, self.settings.doubt)));
@@ -330,7 +330,9 @@ impl<const SECTORS: usize, const BLOCKS: usize> Obstacles<SECTORS, BLOCKS> {
     fn look(&mut self, lane: &Lane, row: &DisparityRow<'_>) {
         let samples = row.disparity.iter().zip(row.confidence).take(self.camera.width());
         let mut samples = samples.skip(Self::SAMPLE).step_by(SIZE).peekable();
-        let mut directions = Directions::new(lane);
+        let mut directions = Directions::new(lane, &self.sectors);
+        // Of blocks that were passed already.
+        let mut passed = directions.clone();
         let (mut left, mut above_left) = (Chain::NONE, Chain::NONE);
         let (mut doubt_left, mut doubt_above_left) = (Doubt::NONE, Doubt::NONE);
         let (mut gap, mut doubtful) = (None, [0; SECTORS]);
@@ -361,10 +363,10 @@ impl<const SECTORS: usize, const BLOCKS: usize> Obstacles<SECTORS, BLOCKS> {
                 }
                 let (is_sure, bits) = (confidence >= self.settings.min_confidence, reached.unwrap_or(0));
                 if let Some(gap) = Gap::next(&mut gap, index, is_sure, bits) {
-                    self.doubt(lane, gap, index, &mut doubtful);
+                    self.doubt(&mut passed, gap, index, &mut doubtful);
                 }
                 if is_sure && bits > 0 && !is_believed {
-                    self.doubt(lane, Gap { first: index, bits }, index + 1, &mut doubtful);
+                    self.doubt(&mut passed, Gap { first: index, bits }, index + 1, &mut doubtful);
                 }
             }
             if let Some(slot) = self.chains.get_mut(index) {
@@ -372,7 +374,7 @@ impl<const SECTORS: usize, const BLOCKS: usize> Obstacles<SECTORS, BLOCKS> {
             }
             (left, above_left) = (chain, above[1]);
             if is_believed {
-                let sector = directions.sector_of(SIZE * index + Self::SAMPLE, &self.sectors);
+                let sector = directions.sector_of(SIZE * index + Self::SAMPLE);
                 if sector != report.sector {
                     self.note(lane, report);
                     report = Report { sector, bits: 0 };
@@ -382,7 +384,7 @@ impl<const SECTORS: usize, const BLOCKS: usize> Obstacles<SECTORS, BLOCKS> {
         }
         self.note(lane, report);
         if let Some(gap) = gap.filter(|gap: &Gap| gap.bits > 0) {
-            self.doubt(lane, gap, BLOCKS, &mut doubtful);
+            self.doubt(&mut passed, gap, BLOCKS, &mut doubtful);
         }
         for ((&bits, &secant), weighing) in doubtful.iter().zip(&self.sectors.secant_q14).zip(&mut self.weighings) {
             if bits > 0 {
@@ -392,10 +394,10 @@ impl<const SECTORS: usize, const BLOCKS: usize> Obstacles<SECTORS, BLOCKS> {
     }
 
     /// Notes what may be in the sectors of the blocks of a gap, up to the block `end`.
-    fn doubt(&self, lane: &Lane, gap: Gap, end: usize, doubtful: &mut [i16; SECTORS]) {
-        let mut directions = Directions::new(lane);
+    fn doubt(&self, passed: &mut Directions<SECTORS>, gap: Gap, end: usize, doubtful: &mut [i16; SECTORS]) {
+        passed.rewind();
         for index in gap.first..end.min(self.camera.width().div_ceil(SIZE)) {
-            let sector = directions.sector_of(SIZE * index + Self::SAMPLE, &self.sectors);
+            let sector = passed.sector_of(SIZE * index + Self::SAMPLE);
             if let Some(bits) = sector.and_then(|sector| doubtful.get_mut(sector)) {
                 *bits = (*bits).max(gap.bits);
             }

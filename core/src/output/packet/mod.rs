@@ -8,7 +8,7 @@
 //! Rows come back exactly, whatever is in them. Those of [`Full`](crate::Full) and [`Lite`](crate::Lite) go two at a time,
 //! as what was decided of each cell of 4 x 2 px ([`Content::Cells`]); rows of other methods one at a time, equal
 //! neighbours once ([`Content::Runs`]); a row in which that does not pay is sent as it is, so that no packet is longer than
-//! [`max_bytes`] tells: 1046 bytes for 320 px. Bytes a row and instructions: `docs/instructions.md`.
+//! [`max_bytes`] tells: 1050 bytes for 320 px. Bytes a row and instructions: `docs/instructions.md`.
 //!
 //! This is version 2. The version is added to the checksum, so that a packet of another version is told from a damaged one
 //! ([`PacketError::Version`]).
@@ -46,9 +46,10 @@ mod stuffing;
 static CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 /// Bytes of the checksum, little-endian at the end.
 const CRC_BYTES: usize = 4;
-/// Bytes of the longest header: sequence, frame, nine counters, rows and unsent frames of up to 5 bytes each, two figures
-/// of up to 3, and 1 each of the kind, whether the frame is cut, whether there are figures, a mismatch, and the verdict.
-const MAX_HEADER: usize = (1 + 1 + 9 + 2) * 5 + 2 * 3 + 5;
+/// Bytes of the longest header: sequence, frame, nine counters, rows and unsent frames of up to 5 bytes each, three figures
+/// of up to 3, and 1 each of the kind, whether the frame is cut, whether there are figures, a mismatch, a row error, and the
+/// verdict.
+const MAX_HEADER: usize = (1 + 1 + 9 + 2) * 5 + 3 * 3 + 6;
 /// The version of the packets: added to the checksum of all but the first one.
 pub const VERSION: u32 = 2;
 /// What is added to the checksum for a version.

@@ -16,7 +16,7 @@ const MOST: Counters = Counters {
 const WIDTH: usize = 1280;
 
 /// Widths, and the bytes of the longest packet.
-const MOST_BYTES: [(usize, usize); 3] = [(320, 1046), (640, 2009), (1280, 3937)];
+const MOST_BYTES: [(usize, usize); 3] = [(320, 1050), (640, 2013), (1280, 3941)];
 
 struct Row {
     disparity: [Disparity; WIDTH],
@@ -96,7 +96,8 @@ fn packets_are_numbered_and_tell_begin_and_end() {
     let begin = *Packet::decode(encoder.begin(7, [320, 240], &counters, &mut buffer).unwrap()).as_ref().unwrap();
     assert_eq!((begin.sequence, begin.frame), (u32::MAX, 7));
     assert_eq!(begin.content, Content::Begin { width: 320, height: 240, counters });
-    let figures = FrameFigures { input: Input::Mismatch, mismatch: Some(u16::MAX), sure: u16::MAX };
+    let figures =
+        FrameFigures { input: Input::Mismatch, mismatch: Some(u16::MAX), sure: u16::MAX, row_error_q8: Some(i16::MIN) };
     let told = FrameEnd { rows: u32::MAX, unsent_frames: u32::MAX, is_cut: true, figures: Some(figures) };
     let mut encoder = Encoder { sequence: u32::MAX };
     let bytes = encoder.end(u32::MAX, &told, &MOST, &mut buffer).unwrap();

@@ -1,5 +1,7 @@
 //! The serial port of the debugger, and one method after the other.
 
+use core::mem::MaybeUninit;
+
 use defmt_rtt as _;
 use embassy_stm32::usart::{self, Uart};
 use haarline::{Config, Full, Lite, StereoMethod, WaveletBlock, blocks_for};
@@ -10,7 +12,8 @@ use haarline_firmware::board::this::start::Started;
 use haarline_firmware::dma_cell;
 use haarline_link::message::{DISPARITIES, KEPT, Method, WIDTH};
 use haarline_link::server::Server;
-use haarline_tests::{BlockSettings, StereoBm};
+use haarline_tests::sgm::words_for;
+use haarline_tests::{BlockSettings, Sgm, StereoBm};
 
 use crate::port::Port;
 use crate::work::{Begin, Row, Work};
@@ -23,7 +26,10 @@ const SEARCHED: u16 = DISPARITIES as u16;
 #[expect(clippy::cast_possible_truncation, reason = "320")]
 const BLOCKS: usize = blocks_for(WIDTH as u16);
 
+type LargeSgm = Sgm<WIDTH, { words_for(SEARCHED) }, Clock>;
+
 static ROWS: DmaCell<[Row; KEPT]> = dma_cell!([Row; KEPT]);
+static SGM: DmaCell<MaybeUninit<LargeSgm>> = dma_cell!(MaybeUninit<LargeSgm>);
 
 /// The port, and what it asks for.
 struct Bench {
@@ -31,6 +37,8 @@ struct Bench {
     server: Server,
     work: Work,
     clock: Clock,
+    /// Where `sgm` lies.
+    sgm: Option<&'static mut MaybeUninit<LargeSgm>>,
 }
 
 #[cortex_m_rt::entry]
@@ -43,7 +51,8 @@ fn main() -> ! {
     };
     let port = Port::new(uart, &mut core.SCB);
     let rows = rows();
-    let mut bench = Bench { port, server: Server::default(), work: Work::new(rows, clock), clock };
+    let mut bench =
+        Bench { port, server: Server::default(), work: Work::new(rows, clock), clock, sgm: Some(sgm_place()) };
     defmt::info!("bench: waiting for `haarline silicon` at {=u32} baud", BAUD);
     let mut begin = bench.serve(None, 0, 0);
     loop {
@@ -62,6 +71,11 @@ fn main() -> ! {
 #[inline(never)]
 fn rows() -> &'static mut [Row; KEPT] {
     ROWS.take([const { Row::EMPTY }; KEPT])
+}
+
+#[inline(never)]
+fn sgm_place() -> &'static mut MaybeUninit<LargeSgm> {
+    SGM.take(MaybeUninit::uninit())
 }
 
 impl Bench {
@@ -112,7 +126,14 @@ fn block(bench: &mut Bench, config: Config) -> Begin {
     bench.with(method, config)
 }
 
-/// Its state of 60 KB and what building it takes do not fit the fast memory together: it is refused.
-fn sgm(bench: &mut Bench, _: Config) -> Begin {
-    bench.serve(None, 0, 0)
+/// Its state of 60 KB would leave the stack less than building it takes: it lies in the slower memory.
+#[inline(never)]
+fn sgm(bench: &mut Bench, config: Config) -> Begin {
+    let Some(place) = bench.sgm.take() else { defmt::panic!("one frame at a time") };
+    let begin = match Sgm::timed(config, bench.clock) {
+        Ok(method) => bench.serve(Some(place.write(method)), config.width, size_of::<LargeSgm>()),
+        Err(_) => bench.serve(None, 0, 0),
+    };
+    bench.sgm = Some(place);
+    begin
 }

@@ -27,7 +27,7 @@ use haarline_firmware::board::this::watchdog::{self, Watchdog};
 use haarline_firmware::board::this::{NAME, clock, idle, phases, prompt, reset, sensors, start};
 use haarline_firmware::rig::{PLAN, SECTORS};
 use haarline_firmware::{dma_cell, stack};
-use static_cell::{ConstStaticCell, StaticCell};
+use static_cell::StaticCell;
 
 const BLOCKS: usize = blocks_for(settings::WIDTH);
 /// A camera is silent that sends no row for 16 lines' time, or no frame for half a frame's longer than it should.
@@ -51,11 +51,11 @@ static READY: Ready = Ready::new();
 static METHOD_FULL: StaticCell<Full<BLOCKS, Clock>> = StaticCell::new();
 static METHOD_LITE: StaticCell<Lite<BLOCKS, Clock>> = StaticCell::new();
 static BEHIND: StaticCell<Behind> = StaticCell::new();
-static RAW_RING: ConstStaticCell<[RawRow; RAW_ROWS]> = ConstStaticCell::new([RawRow::EMPTY; RAW_ROWS]);
 static RAW: StaticCell<Channel<'static, CriticalSectionRawMutex, RawRow>> = StaticCell::new();
 static RESULTS: StaticCell<Channel<'static, CriticalSectionRawMutex, ResultRows>> = StaticCell::new();
 static SIGHTINGS: Sightings<SECTORS> = Sightings::new();
 // Not for DMA, but to leave the fast memory to the pipeline and the stack.
+static RAW_RING: DmaCell<[RawRow; RAW_ROWS]> = dma_cell!([RawRow; RAW_ROWS]);
 static RESULT_RING: DmaCell<[ResultRows; RESULT_PAIRS]> = dma_cell!([ResultRows; RESULT_PAIRS]);
 
 #[cortex_m_rt::entry]
@@ -84,7 +84,7 @@ fn main() -> ! {
 #[inline(never)]
 fn spawn(spawner: Spawner, clock: Clock, parts: Parts) {
     let Some(setup) = PLAN.setup() else { defmt::panic!("the rig has more sectors than it says") };
-    let (raw_to, raw_from) = RAW.init(Channel::new(RAW_RING.take())).split();
+    let (raw_to, raw_from) = RAW.init(Channel::new(raw_ring())).split();
     let (results_to, results_from) = RESULTS.init(Channel::new(result_ring())).split();
     // Each is spawned once, here.
     let prompt = prompt::start();
@@ -97,6 +97,11 @@ fn spawn(spawner: Spawner, clock: Clock, parts: Parts) {
 }
 
 // Functions of their own, so that what they need of the stack is needed one after the other and at start-up only.
+
+#[inline(never)]
+fn raw_ring() -> &'static mut [RawRow; RAW_ROWS] {
+    RAW_RING.take([RawRow::EMPTY; _])
+}
 
 #[inline(never)]
 fn result_ring() -> &'static mut [ResultRows; RESULT_PAIRS] {

@@ -7,9 +7,9 @@ use core::sync::atomic::{AtomicBool, Ordering};
 /// Room in the section `.dma`, which holds anything at start-up.
 pub struct DmaMemory<T>(UnsafeCell<MaybeUninit<T>>);
 
-// SAFETY: a cell hands out its contents once.
+// SAFETY: a cell hands out its contents once, to whoever brought them: none goes from one thread to another.
 #[expect(unsafe_code, reason = "shared by everybody, handed out once")]
-unsafe impl<T: Send> Sync for DmaMemory<T> {}
+unsafe impl<T> Sync for DmaMemory<T> {}
 
 impl<T> DmaMemory<T> {
     /// Nothing in it.
@@ -27,7 +27,7 @@ pub struct DmaCell<T: 'static> {
     is_taken: AtomicBool,
 }
 
-impl<T: Send> DmaCell<T> {
+impl<T> DmaCell<T> {
     /// The cell of `memory`.
     ///
     /// # Safety

@@ -6,10 +6,10 @@ use crate::app::ring::RAW_ROWS;
 use crate::app::settings::{FRAME_RATE, HEIGHT, METHOD, Method, WIDTH};
 
 /// Cycles that a pixel takes with everything, packets and interrupts too, where an instruction takes one: of `full` measured
-/// on the emulated chip, of `lite` less what it saves in the twin.
+/// on the emulated chip (`--profile firmware`), of `lite` less what it saves in the twin.
 const CYCLES: u32 = match METHOD {
-    Method::Full => 210,
-    Method::Lite => 190,
+    Method::Full => 180,
+    Method::Lite => 165,
 };
 /// Time of a row, 1/16 us.
 const ROW: u32 = 16 * WIDTH as u32 * CYCLES / (CORE / 1_000_000);

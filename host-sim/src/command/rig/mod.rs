@@ -1,5 +1,6 @@
 //! `haarline rig`: writes, imports and shows rig descriptions.
 
+mod check;
 mod correct;
 mod import;
 mod rectify;
@@ -34,6 +35,8 @@ enum Command {
     Import(import::Args),
     /// Fits what is added to disparities (disparity_correction) to recordings of a plane at a known distance
     Correct(Box<correct::Args>),
+    /// Holds a rig against its description by a recording: a page with pictures, and what to turn or swap
+    Check(Box<check::Args>),
     /// Writes a recording's views as the core rectifies them
     Rectify(Box<rectify::Args>),
     /// Shows a description and what follows from it: depths, their resolution, the field of view
@@ -53,6 +56,7 @@ impl Args {
             Command::New { file } => write_new(&file),
             Command::Import(args) => args.run(),
             Command::Correct(args) => args.run(),
+            Command::Check(args) => args.run(),
             Command::Rectify(args) => args.run(),
             Command::Show { file, json } => {
                 let description = rig_file::read(&file)?;

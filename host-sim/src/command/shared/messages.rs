@@ -12,6 +12,16 @@ pub(in crate::command) fn warn_input(what: &str) {
     let _ = writeln!(io::stderr(), "warning: {what}");
 }
 
+/// What is told of a rig that has bent.
+pub(in crate::command) fn bent_words(row_error_px: f64) -> String {
+    format!(
+        "the rig has bent: the right view lies {:.2} px {} than it should; haarline rig check tells more, haarline align \
+         RECORDING -o RIG.toml --update puts it right",
+        row_error_px.abs(),
+        if row_error_px > 0.0 { "lower" } else { "higher" }
+    )
+}
+
 /// One line about a damaged frame.
 pub(in crate::command) fn warn_skipped(frame: usize, why: &str) {
     // Nowhere is left to tell if this fails, too.

@@ -20,7 +20,7 @@ pub(super) use fill::FillArg;
 pub(super) use frames::{FrameArgs, readable};
 pub(super) use json_output::JsonOutput;
 pub(super) use layout::LayoutArgs;
-pub(super) use messages::{progress, quoted, warn_input, warn_skipped};
+pub(super) use messages::{bent_words, progress, quoted, warn_input, warn_skipped};
 pub(super) use method::MethodOptions;
 pub(super) use min_confidence::MinConfidence;
 pub(super) use picture_range::RangeArg;

@@ -286,7 +286,7 @@ fn the_figures_of_a_frame_come_with_its_end_and_packets_of_another_version_are_t
     for _ in 0..7 {
         encoder.begin(0, SIZE, &Counters::ZERO, &mut buffer).unwrap();
     }
-    let figures = Some(FrameFigures { input: Input::Mismatch, mismatch: Some(301), sure: 77 });
+    let figures = Some(FrameFigures { input: Input::Mismatch, mismatch: Some(301), sure: 77, row_error_q8: Some(-30) });
     let told = FrameEnd { rows: 6, unsent_frames: 2, is_cut: false, figures };
     bytes.extend_from_slice(encoder.end(0, &told, &Counters::ZERO, &mut buffer).unwrap());
     let mut stream = PacketStream::new();
