@@ -18,9 +18,7 @@ use crate::answer::right_view::{RightView, Stretch, columns};
 use crate::front_end::camera_view::Row;
 use crate::lanes::answer_rows::{PixelPair, PlanePairs, WordAligned, lay_planes, write_moved};
 use crate::lanes::rows::window_sad;
-use crate::lanes::{
-    ONES, add_halves, difference, min, select_ge, signed_max_halves, splat, splat_half, sub_halves,
-};
+use crate::lanes::{ONES, add_halves, difference, min, select_ge, signed_max_halves, splat, splat_half, sub_halves};
 use crate::{Config, Disparity};
 
 /// Confidence of a guess: 1 to 15.
@@ -58,7 +56,8 @@ pub(crate) struct Sources<'a, const WORDS: usize> {
 }
 
 impl<const WORDS: usize> AnswerRow<WORDS> {
-    pub(crate) const EMPTY: Self = Self { pixels: [[0; 2]; WORDS], slope: [0; WORDS], confidence: WordAligned([[0; 4]; WORDS]) };
+    pub(crate) const EMPTY: Self =
+        Self { pixels: [[0; 2]; WORDS], slope: [0; WORDS], confidence: WordAligned([[0; 4]; WORDS]) };
 
     /// Answers a cell row.
     pub(crate) fn answer(&mut self, config: &Config, sources: &Sources<'_, WORDS>) {
@@ -353,8 +352,7 @@ fn lay_pair(planes: &PlanePairs<'_>, i: usize) -> (PixelPair, [i16; 2]) {
     let near = divided::<7>(across);
     let far = divided::<7>(add_halves(add_halves(across, across), across));
     let [a, b, c, d] = [sub_halves(less, far), sub_halves(less, near), add_halves(more, near), add_halves(more, far)];
-    let pixels =
-        [[a & 0xffff | b << 16, c & 0xffff | d << 16], [a >> 16 | b & 0xffff_0000, c >> 16 | d & 0xffff_0000]];
+    let pixels = [[a & 0xffff | b << 16, c & 0xffff | d << 16], [a >> 16 | b & 0xffff_0000, c >> 16 | d & 0xffff_0000]];
     (pixels, halves(sub_halves(divided::<6>(down), planes.raised)).map(u16::cast_signed))
 }
 

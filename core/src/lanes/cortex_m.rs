@@ -192,4 +192,3 @@ pub(crate) fn held(word: u32) -> u32 {
     unsafe { asm!("/* {} */", inout(reg) word, options(pure, nomem, nostack, preserves_flags)) };
     word
 }
-

@@ -532,7 +532,12 @@ pub(crate) unsafe fn write_moved_pairs<const DOWN: bool>(
 /// # Safety
 /// All must have so many, and `pairs` must not be 0.
 #[inline(always)]
-pub(crate) unsafe fn lay_plane_pairs(planes: &PlanePairs<'_>, pixels: *mut PixelPair, downs: *mut [i16; 2], pairs: usize) {
+pub(crate) unsafe fn lay_plane_pairs(
+    planes: &PlanePairs<'_>,
+    pixels: *mut PixelPair,
+    downs: *mut [i16; 2],
+    pairs: usize,
+) {
     let [above, here, below] = planes.values.map(<[_]>::as_ptr);
     let slopes = planes.slopes.as_ptr();
     let [less, more] = planes.bases;

@@ -64,7 +64,9 @@ impl<const BLOCKS: usize> Trials<BLOCKS> {
     #[inline(always)]
     pub(crate) fn start(&mut self, tile: usize, origin: usize, lowest: u32, highest: u32) {
         let (least, most) = (lowest as usize, highest as usize);
-        assert!(least <= most && most < 256 && most <= origin && origin - least + 8 <= 4 * BLOCKS && 2 * tile + 3 <= BLOCKS);
+        assert!(
+            least <= most && most < 256 && most <= origin && origin - least + 8 <= 4 * BLOCKS && 2 * tile + 3 <= BLOCKS
+        );
         (self.len, self.tile, self.origin) = (0, tile, origin);
         (self.lowest, self.span) = (lowest, highest - lowest);
         // No label counts as tried.
@@ -150,7 +152,8 @@ impl<const BLOCKS: usize> Trials<BLOCKS> {
             return;
         }
         for trial in &mut self.list[from..len] {
-            let [a, b, c, d] = tile_sad(left, first, right, self.origin.wrapping_sub(Trial::label_of(trial.key) as usize));
+            let [a, b, c, d] =
+                tile_sad(left, first, right, self.origin.wrapping_sub(Trial::label_of(trial.key) as usize));
             trial.cells = [a | b << 16, c | d << 16];
             trial.key |= (a + b + c + d) << 12;
         }

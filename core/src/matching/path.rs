@@ -17,9 +17,9 @@ use crate::lanes::add;
 use crate::lanes::columns::{Column, Decided, Steps};
 #[cfg(haarline_dsp)]
 use crate::lanes::{decide_column, decide_pending};
-use crate::matching::agreement::{Penalties, extend};
 #[cfg(not(haarline_dsp))]
 use crate::matching::agreement::normalised;
+use crate::matching::agreement::{Penalties, extend};
 use crate::matching::tile::Tile;
 
 /// What a row of tiles knows of itself and of the one above.

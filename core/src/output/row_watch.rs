@@ -10,6 +10,7 @@
 //! Of the 36 recorded scenes, clean to noise 5, it is within 0.15 px up to 1 px of error. Farther off little is sure, and
 //! the frame as a whole does not match ([`Input::Mismatch`](super::frame_figures::Input)). One block is compared with each row
 //! that comes: 3,000 instructions, less than a tenth of the row's.
+#![allow(clippy::cast_possible_truncation, clippy::cast_possible_wrap, reason = "a few rows and pixels")]
 
 use crate::{DisparityRow, ScanlinePair};
 

@@ -81,8 +81,9 @@ fn every_part_tells_the_offset_that_is_there() {
         for down in 0..parts[1] {
             let Some(rows) = found.rows_q16([across, down]) else { continue };
             let twice = [(across, parts[0], 128), (down, parts[1], 96)];
-            let twice =
-                twice.map(|(part, parts, size)| i32::try_from((2 * part + 1) * size / parts).unwrap() - size as i32);
+            let twice = twice.map(|(part, parts, size)| {
+                i32::try_from((2 * part + 1) * size / parts).unwrap() - i32::try_from(size).unwrap()
+            });
             let error = f64::from(rows - ramp.displacement_q16(twice)) / 65_536.0;
             assert!(error.abs() < 0.15, "{across} {down}: {error}");
             told += 1;
