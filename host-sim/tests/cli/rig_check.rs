@@ -54,6 +54,7 @@ fn rows_that_are_off_and_what_is_farther_than_infinity_are_told() {
         assert!(outcome.stdout.contains(words), "{words}: {outcome:?}");
     }
     assert_eq!(outcome.stdout.matches("\n- ").count(), 1, "what only follows is not told: {outcome:?}");
+    let bench = Bench::new();
     record(&bench, 0);
     let text = String::from_utf8(bench.read("rig.toml")).unwrap();
     let offset =
@@ -74,9 +75,12 @@ fn what_cannot_be_checked_is_refused_in_one_line() {
     bench.refuses("rig check take --rig rig.toml -o check.txt", &["check.txt", "must end in .html"]);
     bench.refuses("rig check take --rig none.toml -o check.html", &["none.toml"]);
     bench.refuses("rig check none --rig rig.toml -o check.html", &["none", "no such folder"]);
-    write_rig(&bench, &[("width", WIDTH + 4), ("height", HEIGHT)]);
+    let bench = Bench::new();
+    record(&bench, 0);
+    let text = String::from_utf8(bench.read("rig.toml")).unwrap();
+    bench.write("rig.toml", text.replace(&format!("width = {WIDTH}"), &format!("width = {}", WIDTH + 4)));
     bench.refuses("rig check take --rig rig.toml -o check.html", &["but the views are"]);
-    write_rig(&bench, &[("width", WIDTH), ("height", HEIGHT), ("num_disparities", 16)]);
+    bench.write("rig.toml", text);
     let blank = Pair::blank(WIDTH, HEIGHT);
     for side in ["left", "right"] {
         bench.write(&format!("blank/{side}/a.png"), encode(&blank.left_image(), ImageFormat::Png));
