@@ -263,6 +263,8 @@ impl Checked {
                 "left and right are exchanged".to_owned(),
                 "swap the cameras or their folders, or set first = \"right\" (or \"left\") in the description",
             ),
+            // Disparities that are too small by themselves are told as such.
+            Order::Contradictory if self.far_px().is_some_and(|far| far < LEAST_DISPARITY) => {}
             Order::Contradictory => add(
                 "disparities and the ground say different things of which view is the left one".to_owned(),
                 "look at the picture: is the left view what the left camera sees? If so, column_offset is missing",
