@@ -26,7 +26,10 @@ pub(crate) fn winners(sums: Quad, labels: Quad, costs: Quad, beside: Quad) -> [C
     let fraction = before.sub_words(after).limited_fraction(rise);
     let fraction = fraction.and(has_both).and(rise.greater_words(Quad::splat(0)));
     let value = label.up::<8>().add_words(Quad::splat(HALF)).add_words(fraction);
-    let is_rival = labels.difference(label.lowest_spread()).not_less(Quad::splat(splat(2)));
+    // Between two labels these are the lanes beside it; at an end it takes a look at the labels.
+    let lanes_beside = here.or(here.up::<8>()).or(here.down::<8>());
+    let is_further = labels.difference(label.lowest_spread()).not_less(Quad::splat(splat(2)));
+    let is_rival = lanes_beside.not_and(Quad::splat(u32::MAX)).where_or(has_both, is_further);
     let margin = sums.where_or(is_rival, Quad::splat(splat(MOST_MARGIN))).least().and(Quad::splat(0xff));
     let cost = pick(costs, here);
     let merit = margin.add_words(Quad::splat(128)).sub_saturating_halves(cost.add_words(cost));
