@@ -16,6 +16,9 @@ import tempfile
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
+# What is built here runs at the clock of the emulated chip, whatever else would do for the rig.
+os.environ.setdefault("HAARLINE_CLOCK_MHZ", "480")
+
 ROOT = Path(__file__).resolve().parents[2]
 TARGET = "thumbv7em-none-eabihf"
 TARGET_DIR = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))

@@ -20,6 +20,9 @@ from pathlib import Path
 
 import cv2
 
+# What is built here runs at the clock of the emulated chip, whatever else would do for the rig.
+os.environ.setdefault("HAARLINE_CLOCK_MHZ", "480")
+
 ROOT = Path(__file__).resolve().parents[2]
 TARGET = "thumbv7em-none-eabihf"
 TARGET_DIR = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
