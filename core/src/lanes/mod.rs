@@ -34,6 +34,8 @@ pub(crate) use x86_64::*;
 use x86_64_rows::{gradient_across_fours, gradient_down_fours};
 
 pub(crate) mod answer_rows;
+#[cfg(feature = "packet")]
+pub(crate) mod cell_codes;
 pub(crate) mod columns;
 pub(crate) mod evidence_rows;
 pub(crate) mod lens_runs;

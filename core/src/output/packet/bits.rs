@@ -1,10 +1,12 @@
-//! Numbers as bits: prefix codes, and a writer and a reader of them. The first bit is the lowest of a byte.
+//! Numbers as bits: prefix codes, and a reader of them. The first bit is the lowest of a byte.
 #![allow(
     clippy::cast_possible_truncation,
     clippy::cast_possible_wrap,
     clippy::cast_sign_loss,
     reason = "a few dozen codes"
 )]
+
+use crate::lanes::cell_codes::Code;
 
 /// Bits of the longest code.
 const LONGEST: usize = 12;
@@ -13,40 +15,13 @@ const LONGEST: usize = 12;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Codes<const N: usize>([Code; N]);
 
-/// A code: its bits, and above the lower 16 how many.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Code(u32);
-
-impl Code {
-    /// Some bits.
-    #[inline(always)]
-    pub(super) const fn new(bits: u32, count: u32) -> Self {
-        Self(bits | count << 16)
-    }
-
-    /// Whether it is that one.
-    pub(super) const fn is(self, other: Self) -> bool {
-        self.0 == other.0
-    }
-
-    #[inline(always)]
-    const fn bits(self) -> u32 {
-        self.0 & 0xffff
-    }
-
-    #[inline(always)]
-    const fn count(self) -> u32 {
-        self.0 >> 16
-    }
-}
-
 impl<const N: usize> Codes<N> {
     /// The greatest number that has a code.
     const MOST: i32 = (N as i32 - 2) / 2;
 
     /// The prefix code of those lengths: shorter ones first, and of equal ones the lesser number.
     pub(super) const fn of(lengths: [u8; N]) -> Self {
-        let mut codes = [Code(0); N];
+        let mut codes = [Code::new(0, 0); N];
         let (mut next, mut length) = (0_u32, 1);
         while length <= LONGEST {
             next <<= 1;
@@ -87,72 +62,6 @@ impl<const N: usize> Codes<N> {
     #[inline(always)]
     pub(super) const fn escape(&self) -> Code {
         self.0[N - 1]
-    }
-}
-
-/// Room for bits, word by word.
-pub(super) type Words<'a> = core::slice::IterMut<'a, [u8; 4]>;
-
-/// Bits as they are written.
-pub(super) struct BitWriter<'a> {
-    pub(super) words: Words<'a>,
-    /// The bits that are no whole word yet, and how many.
-    pub(super) pending: Pending,
-}
-
-/// Fewer than 32 bits, and how many.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Pending {
-    word: u32,
-    count: u32,
-}
-
-impl Pending {
-    /// Adds 31 bits at most; `None` if there is no more room.
-    #[inline(always)]
-    pub(super) fn put(&mut self, words: &mut Words<'_>, code: Code) -> Option<()> {
-        self.put_bits(words, code.bits(), code.count())
-    }
-
-    /// Adds three codes of 31 bits at most.
-    #[inline(always)]
-    pub(super) fn put_three(&mut self, words: &mut Words<'_>, first: Code, second: Code, third: Code) -> Option<()> {
-        let bits = first.bits() | (second.bits() | third.bits() << second.count()) << first.count();
-        self.put_bits(words, bits, first.count() + second.count() + third.count())
-    }
-
-    #[inline(always)]
-    fn put_bits(&mut self, words: &mut Words<'_>, bits: u32, count: u32) -> Option<()> {
-        let before = self.count;
-        self.word |= bits << before;
-        self.count += count;
-        if self.count >= 32 {
-            *words.next()? = self.word.to_le_bytes();
-            self.count -= 32;
-            self.word = bits >> (32 - before);
-        }
-        Some(())
-    }
-}
-
-impl<'a> BitWriter<'a> {
-    pub(super) fn new(room: &'a mut [u8]) -> Self {
-        Self { words: room.as_chunks_mut().0.iter_mut(), pending: Pending::default() }
-    }
-
-    /// Adds a code; `None` if there is no more room.
-    #[inline(always)]
-    pub(super) fn put(&mut self, code: Code) -> Option<()> {
-        self.pending.put(&mut self.words, code)
-    }
-
-    /// Writes what is left; how many words of the room stay unused, and how many bytes of the last one count.
-    pub(super) fn finish(mut self) -> Option<(usize, usize)> {
-        let bytes = self.pending.count.div_ceil(8) as usize;
-        if bytes > 0 {
-            *self.words.next()? = self.pending.word.to_le_bytes();
-        }
-        Some((self.words.len(), bytes))
     }
 }
 

@@ -25,9 +25,13 @@
     reason = "disparities have 16 bits, and what is cut out of a word is meant"
 )]
 
-use super::bits::{BitReader, BitWriter, Code, Codes, Pending, Words};
+use super::bits::{BitReader, Codes};
 use crate::answer::cell_row::word;
-use crate::lanes::{splat, splat_half, sub_halves};
+use crate::lanes::cell_codes::{
+    Bits, Code, ConfidenceCodes, Confidences, Disparities, DisparityCodes, Entry, Shape, put_confidences,
+    put_disparities, words_of,
+};
+use crate::lanes::sub_halves;
 use crate::{Disparity, DisparityRow};
 
 /// Numbers that have a code, either side of 0, and the escape.
@@ -62,59 +66,53 @@ const ALL: u32 = 8;
 const UNKNOWN: i32 = Disparity::UNKNOWN.into_bits() as i32;
 /// Steps of confidence that have a code.
 const STEP: i32 = 8;
-/// Says that a value needs 16 bits.
+/// Says that a value needs 16 bits; the least number of 12.
 const WIDE: i32 = -0x800;
 
-static TABLES: Tables = Tables::new();
+/// What a row is written with: the codes of cells all of which have one, ...
+static CONFIDENCES: ConfidenceCodes = confidence_codes();
+static DISPARITIES: DisparityCodes = disparity_codes();
+/// ... and of those that have not.
+static VALUES: Codes<{ codes(20) }> = VALUE;
+static SHAPES: Codes<{ codes(10) }> = SHAPE;
+static DOWNS: [Codes<{ codes(6) }>; 3] = DOWN;
+static STEPS: [Codes<{ codes(12) }>; 2] = CONFIDENCE;
 
-/// What a row is written with.
-struct Tables {
-    value: Codes<{ codes(20) }>,
-    shape: [Shape; codes(10) - 1],
-    no_shape: Code,
-    down: [Downs; 3],
-    confidence: [Codes<{ codes(12) }>; 2],
-}
-
-/// Codes of *down*, and the escape.
-struct Downs([Code; codes(6) - 1], Code);
-
-impl Downs {
-    const fn of(codes: &Codes<{ self::codes(6) }>) -> Self {
-        let mut all = [codes.escape(); self::codes(6) - 1];
-        let mut i = 0;
-        while i < all.len() {
-            all[i] = codes.at(i);
-            i += 1;
-        }
-        Self(all, codes.escape())
+const fn confidence_codes() -> ConfidenceCodes {
+    let mut tables = [[Entry::NONE; 32]; 2];
+    let mut i = 0;
+    while i < 2 * 25 {
+        let (steady, step) = (i / 25, i % 25);
+        let next = ConfidenceCodes::next(step == 12);
+        tables[steady][step + 16 - 12] = Entry::new(CONFIDENCE[steady].at(step), next);
+        i += 1;
     }
+    ConfidenceCodes(tables)
 }
 
-/// The four columns of a cell above the first, two in a word, and the code that says so.
-#[derive(Clone, Copy)]
-struct Shape {
-    columns: [u32; 2],
-    code: Code,
-}
-
-impl Tables {
-    const fn new() -> Self {
-        let mut shape = [Shape { columns: [0; 2], code: SHAPE.escape() }; codes(10) - 1];
-        let mut i = 0;
-        while i < shape.len() {
-            let [_, b, c, d] = columns(i as i32 - 10);
-            shape[i] = Shape { columns: [word([0, b as u16]), word([c as u16, d as u16])], code: SHAPE.at(i) };
-            i += 1;
-        }
-        Self {
-            value: VALUE,
-            shape,
-            no_shape: SHAPE.escape(),
-            down: [Downs::of(&DOWN[0]), Downs::of(&DOWN[1]), Downs::of(&DOWN[2])],
-            confidence: CONFIDENCE,
-        }
+const fn disparity_codes() -> DisparityCodes {
+    let mut value = [Entry::NONE; 64];
+    let mut i = 0;
+    while i <= 40 {
+        value[i + 32 - 20] = Entry::new(VALUE.at(i), 0);
+        i += 1;
     }
+    let mut shape = [Shape { inner: 0, code: Entry::NONE }; 64];
+    let mut i = 0;
+    while i <= 20 {
+        let [_, b, c, _] = columns(i as i32 - 10);
+        shape[2 * i + 32 - 20] = Shape { inner: word([c as u16, b as u16]), code: Entry::new(SHAPE.at(i), 0) };
+        i += 1;
+    }
+    let mut down = [[Entry::NONE; 32]; 3];
+    let mut i = 0;
+    while i < 3 * 13 {
+        let (before, half) = (i / 13, i % 13);
+        let next = DisparityCodes::next(down_index(half as i32 - 6));
+        down[before][2 * half + 16 - 12] = Entry::new(DOWN[before].at(half), next);
+        i += 1;
+    }
+    DisparityCodes { value, down, shape, escape: VALUE.escape() }
 }
 
 /// The columns of a cell of a shape, less the first.
@@ -126,73 +124,46 @@ const fn columns(far: i32) -> [i32; 4] {
 /// Writes two rows, of the same width; how many bytes they are. `None` if there is not so much room, if they differ in
 /// confidence, or if something in them is unknown: then they are none of a method that answers in cells.
 pub(super) fn write(upper: DisparityRow<'_>, lower: DisparityRow<'_>, room: &mut [u8]) -> Option<usize> {
-    let words = room.as_chunks::<4>().0.len();
-    let writer = write_sure(upper.confidence, lower.confidence, BitWriter::new(room))?;
-    let (unused, last) = write_disparities(upper.disparity, lower.disparity, writer)?.finish()?;
-    Some(4 * (words - unused) - (4 - last) % 4)
+    let mut bits = Bits::new(room.as_chunks_mut().0);
+    write_sure([upper.confidence, lower.confidence], &mut bits)?;
+    write_disparities([upper.disparity, lower.disparity], &mut bits)?;
+    bits.finish()
 }
 
-// In the loops the bits stay in registers: a writer is made of them only where it is handed on.
-
 /// The confidences of both rows, if they are the same.
-#[inline(never)]
-fn write_sure<'a>(upper: &[u8], lower: &[u8], writer: BitWriter<'a>) -> Option<BitWriter<'a>> {
-    let BitWriter { mut words, mut pending } = writer;
-    let (mut before, mut codes) = (0_u32, &TABLES.confidence[0]);
-    let [(upper, upper_rest), (lower, lower_rest)] = [upper, lower].map(|row| row.as_chunks::<4>());
-    for (&upper, &lower) in upper.iter().zip(lower) {
-        if u32::from_le_bytes(upper) != u32::from_le_bytes(lower) {
-            return None;
-        }
-        let word = u32::from_le_bytes(upper);
-        // Mostly all columns are equal, and the change to the cell before has a code.
-        let change = (word & 0xff).cast_signed() - (before & 0xff).cast_signed();
-        if word == splat(word & 0xff)
-            && let Some(code) = codes.get(change >> 3)
-            && change & (STEP - 1) == 0
-        {
-            pending.put(&mut words, code)?;
-        } else {
-            BitWriter { words, pending } = write_confidences(upper, before, codes, words, pending)?;
-        }
-        (before, codes) = (splat(word >> 24), &TABLES.confidence[usize::from(change == 0 && word == before)]);
+fn write_sure(rows: [&[u8]; 2], bits: &mut Bits<'_>) -> Option<()> {
+    let mut state = Confidences { before: 0, is_steady: false };
+    let [(mut upper, upper_rest), (mut lower, lower_rest)] = rows.map(|row| row.as_chunks::<4>());
+    let rest = filled_up(upper_rest).zip(filled_up(lower_rest));
+    loop {
+        let done = put_confidences([upper, lower], &CONFIDENCES, &mut state, bits);
+        (upper, lower) = (upper.get(done..)?, lower.get(done..)?);
+        let Some(((&upper_cell, upper_rest), (&lower_cell, lower_rest))) = upper.split_first().zip(lower.split_first())
+        else {
+            break;
+        };
+        write_confidences([upper_cell, lower_cell], &mut state, bits)?;
+        (upper, lower) = (upper_rest, lower_rest);
     }
-    let mut writer = BitWriter { words, pending };
-    if let Some((upper, lower)) = filled_up(upper_rest).zip(filled_up(lower_rest)) {
-        if upper != lower {
-            return None;
-        }
-        writer = write_confidences(upper, before, codes, writer.words, writer.pending)?;
-    }
-    Some(writer)
+    rest.map_or(Some(()), |(upper, lower)| write_confidences([upper, lower], &mut state, bits))
 }
 
 /// The disparities of both rows.
-#[inline(never)]
-fn write_disparities<'a>(upper: &[Disparity], lower: &[Disparity], writer: BitWriter<'a>) -> Option<BitWriter<'a>> {
-    let BitWriter { mut words, mut pending } = writer;
-    let (mut before, mut downs) = (0, &TABLES.down[1]);
-    let [(upper, upper_rest), (lower, lower_rest)] = [upper, lower].map(|row| row.as_chunks::<4>());
-    for (upper, lower) in upper.iter().zip(lower) {
-        let cell = Cell::of(words_of(*upper), words_of(*lower));
-        if let Some([shape, value, down]) = cell.codes(before, downs) {
-            pending.put_three(&mut words, shape, value, down)?;
-        } else {
-            BitWriter { words, pending } = write_odd(cell, before, downs, words, pending)?;
-        }
-        (before, downs) = (cell.last(), cell.next_downs());
+fn write_disparities(rows: [&[Disparity]; 2], bits: &mut Bits<'_>) -> Option<()> {
+    let mut state = Disparities { before: 0, down: 1 };
+    let [(mut upper, upper_rest), (mut lower, lower_rest)] = rows.map(|row| row.as_chunks::<4>());
+    let rest = filled_up(upper_rest).zip(filled_up(lower_rest));
+    loop {
+        let done = put_disparities([upper, lower], &DISPARITIES, &mut state, bits);
+        (upper, lower) = (upper.get(done..)?, lower.get(done..)?);
+        let Some(((&upper_cell, upper_rest), (&lower_cell, lower_rest))) = upper.split_first().zip(lower.split_first())
+        else {
+            break;
+        };
+        write_odd(&Cell::of(words_of(upper_cell), words_of(lower_cell)), &mut state, bits)?;
+        (upper, lower) = (upper_rest, lower_rest);
     }
-    if let Some((upper, lower)) = filled_up(upper_rest).zip(filled_up(lower_rest)) {
-        return write_odd(Cell::of(words_of(upper), words_of(lower)), before, downs, words, pending);
-    }
-    Some(BitWriter { words, pending })
-}
-
-/// The columns of a cell, two in a word.
-#[inline(always)]
-fn words_of(row: [Disparity; 4]) -> [u32; 2] {
-    let [a, b, c, d] = row.map(|disparity| disparity.into_bits().cast_unsigned());
-    [word([a, b]), word([c, d])]
+    rest.map_or(Some(()), |(upper, lower)| write_odd(&Cell::of(words_of(upper), words_of(lower)), &mut state, bits))
 }
 
 /// The two rows of a cell, and what the lower one has more.
@@ -220,73 +191,59 @@ impl Cell {
     }
 
     /// Its shape, if that has a code.
-    #[inline(always)]
     fn shape(&self) -> Option<Code> {
-        let base = splat_half(self.upper[0] & 0xffff);
-        let shape = TABLES.shape.get(half(self.last() - self.first(), 10))?;
-        (shape.columns == [sub_halves(self.upper[0], base), sub_halves(self.upper[1], base)]).then_some(shape.code)
+        let far = half(self.last() - self.first())?;
+        let code = SHAPES.get(far)?;
+        let first = self.first();
+        (columns_of(self.upper) == columns(far).map(|above| first + above)).then_some(code)
     }
 
     /// What all columns of the lower row have more, if it is the same.
-    #[inline(always)]
     fn rise(&self) -> Option<i32> {
         let [a, b] = self.down;
         (a == b && a == a.rotate_left(16)).then_some(i32::from(a as u16 as i16))
     }
-
-    /// Codes of its shape, its value after the column `before`, and its *down*, if all have one.
-    #[inline(always)]
-    fn codes(&self, before: i32, downs: &Downs) -> Option<[Code; 3]> {
-        let down = *downs.0.get(half(self.rise()?, 6))?;
-        Some([self.shape()?, TABLES.value.get(self.first() - before)?, down])
-    }
-
-    /// The codes for the next cell's *down*: after less than none, none, or more.
-    #[inline(always)]
-    fn next_downs(&self) -> &'static Downs {
-        &TABLES.down[self.rise().map_or(1, down_index)]
-    }
 }
 
-/// The index of half of a number from `-2 * most` to `2 * most`; odd numbers come out beyond all that have a code.
-#[inline(always)]
-const fn half(number: i32, most: u32) -> usize {
-    number.cast_unsigned().wrapping_add(2 * most).rotate_right(1) as usize
+/// Half of an even number.
+const fn half(number: i32) -> Option<i32> {
+    if number % 2 == 0 { Some(number / 2) } else { None }
 }
 
 /// Which of the codes comes after a *down*: that after less than none, none, or more.
-#[inline(always)]
 const fn down_index(rise: i32) -> usize {
     (rise.signum() + 1) as usize
 }
 
-/// A cell of which not everything has a code.
+/// A cell of which not everything may have a code.
 #[inline(never)]
-fn write_odd<'a>(cell: Cell, before: i32, downs: &Downs, words: Words<'a>, pending: Pending) -> Option<BitWriter<'a>> {
-    let mut writer = BitWriter { words, pending };
+fn write_odd(cell: &Cell, state: &mut Disparities, bits: &mut Bits<'_>) -> Option<()> {
     if has_unknown(cell.upper) || has_unknown(cell.lower) {
         return None;
     }
-    let step = cell.first() - before;
+    let step = cell.first() - state.before;
     if let Some(shape) = cell.shape() {
-        writer.put(shape)?;
-        write_value(step, &mut writer)?;
+        bits.put(shape)?;
+        write_value(step, bits)?;
     } else {
-        writer.put(TABLES.no_shape)?;
-        write_value(step, &mut writer)?;
+        bits.put(SHAPES.escape())?;
+        write_value(step, bits)?;
         let [a, b, c, d] = columns_of(cell.upper);
-        [b - a, c - b, d - c].into_iter().try_for_each(|step| write_value(step, &mut writer))?;
+        [b - a, c - b, d - c].into_iter().try_for_each(|step| write_value(step, bits))?;
     }
-    if let Some(&code) = cell.rise().and_then(|rise| downs.0.get(half(rise, 6))) {
-        writer.put(code)?;
+    let downs = DOWNS.get(state.down)?;
+    let rise = cell.rise();
+    if let Some(code) = rise.and_then(half).and_then(|half| downs.get(half)) {
+        bits.put(code)?;
     } else {
-        writer.put(downs.1)?;
+        bits.put(downs.escape())?;
         for pair in cell.down {
-            writer.put(Code::new(pair & 0xffff, 16))?;
-            writer.put(Code::new(pair >> 16, 16))?;
+            bits.put(Code::new(pair & 0xffff, 16))?;
+            bits.put(Code::new(pair >> 16, 16))?;
         }
     }
-    Some(writer)
+    *state = Disparities { before: cell.last(), down: rise.map_or(1, down_index) };
+    Some(())
 }
 
 /// The last cell of a row, filled up by its last pixel.
@@ -306,57 +263,56 @@ fn has_unknown(row: [u32; 2]) -> bool {
 
 /// A value, code or escape.
 #[inline(never)]
-fn write_value(step: i32, writer: &mut BitWriter<'_>) -> Option<()> {
-    if let Some(code) = TABLES.value.get(step) {
-        return writer.put(code);
+fn write_value(step: i32, bits: &mut Bits<'_>) -> Option<()> {
+    if let Some(code) = VALUES.get(step) {
+        return bits.put(code);
     }
-    writer.put(TABLES.value.escape())?;
+    bits.put(VALUES.escape())?;
     if (WIDE + 1..-WIDE).contains(&step) {
-        return writer.put(Code::new(step.cast_unsigned() & 0xfff, 12));
+        return bits.put(Code::new(step.cast_unsigned() & 0xfff, 12));
     }
-    writer.put(Code::new(WIDE.cast_unsigned() & 0xfff, 12))?;
-    writer.put(Code::new(step.cast_unsigned() & 0xffff, 16))
+    bits.put(Code::new(WIDE.cast_unsigned() & 0xfff, 12))?;
+    bits.put(Code::new(step.cast_unsigned() & 0xffff, 16))
 }
 
-/// Confidences of a cell after those of the column before, four times in a word.
+/// Confidences of a cell, which may have no code; `None` if the rows differ.
 #[inline(never)]
-fn write_confidences<'a>(
-    confidence: [u8; 4],
-    before: u32,
-    codes: &Codes<{ self::codes(12) }>,
-    words: Words<'a>,
-    pending: Pending,
-) -> Option<BitWriter<'a>> {
-    let mut writer = BitWriter { words, pending };
-    let (word, first) = (u32::from_le_bytes(confidence), confidence[0]);
-    let change = i32::from(first) - (before & 0xff).cast_signed();
-    match codes.get(change >> 3) {
-        Some(code) if word == splat(first.into()) && change & (STEP - 1) == 0 => writer.put(code)?,
+fn write_confidences([upper, lower]: [[u8; 4]; 2], state: &mut Confidences, bits: &mut Bits<'_>) -> Option<()> {
+    if upper != lower {
+        return None;
+    }
+    let Confidences { before, is_steady } = *state;
+    let codes = STEPS.get(usize::from(is_steady))?;
+    let change = i32::from(upper[0]) - i32::from(before);
+    let is_uniform = upper == [upper[0]; 4];
+    match codes.get(change / STEP) {
+        Some(code) if is_uniform && change % STEP == 0 => bits.put(code)?,
         _ => {
-            writer.put(codes.escape())?;
-            write_each(before & 0xff, confidence, &mut writer)?;
+            bits.put(codes.escape())?;
+            write_each(before.into(), upper, bits)?;
         }
     }
-    Some(writer)
+    *state = Confidences { before: upper[3], is_steady: change == 0 && is_uniform };
+    Some(())
 }
 
 /// Confidences after the escape.
-fn write_each(before: u32, confidence: [u8; 4], writer: &mut BitWriter<'_>) -> Option<()> {
+fn write_each(before: u32, confidence: [u8; 4], bits: &mut Bits<'_>) -> Option<()> {
     let first = confidence[0];
     let other = confidence.into_iter().find(|&other| other != first);
     if confidence.into_iter().any(|one| one != first && Some(one) != other) {
-        writer.put(Code::new(ALL, 4))?;
-        return confidence.into_iter().try_for_each(|one| writer.put(Code::new(one.into(), 8)));
+        bits.put(Code::new(ALL, 4))?;
+        return confidence.into_iter().try_for_each(|one| bits.put(Code::new(one.into(), 8)));
     }
-    writer.put(Code::new((1..4).map(|i| u32::from(confidence[i] != first) << (i - 1)).sum(), 4))?;
+    bits.put(Code::new((1..4).map(|i| u32::from(confidence[i] != first) << (i - 1)).sum(), 4))?;
     if u32::from(first) == before {
-        writer.put(Code::new(0, 1))?;
+        bits.put(Code::new(0, 1))?;
     } else {
-        writer.put(Code::new(1 | u32::from(first) << 1, 9))?;
+        bits.put(Code::new(1 | u32::from(first) << 1, 9))?;
     }
     match other {
-        Some(GUESS) => writer.put(Code::new(0, 1)),
-        Some(other) => writer.put(Code::new(1 | u32::from(other) << 1, 9)),
+        Some(GUESS) => bits.put(Code::new(0, 1)),
+        Some(other) => bits.put(Code::new(1 | u32::from(other) << 1, 9)),
         None => Some(()),
     }
 }

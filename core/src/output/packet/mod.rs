@@ -30,6 +30,7 @@
 //! ```
 
 use core::fmt;
+use core::ops::Range;
 
 use crc::{CRC_32_ISO_HDLC, Crc};
 use serde::{Deserialize, Serialize};
@@ -64,7 +65,7 @@ const VERSIONS: core::ops::RangeInclusive<u32> = 1..=16;
 #[must_use]
 pub const fn max_bytes(width: u16) -> usize {
     let plain = max_plain(width);
-    plain + stuffing::gap(plain)
+    stuffing::gap(plain) + plain + 1
 }
 
 /// Bytes of the longest packet before its zeros are taken out.
@@ -274,11 +275,11 @@ impl Encoder {
         let (y, width) = (row.y, width_of(row)?);
         // Methods that answer everything answer in cells; where something is unknown it comes in runs.
         for content in [Content::Cells { y, width, is_single: true }, Content::Runs { y, width }] {
-            match self.write(frame, content, Some([row; 2]), &mut *buffer).map(|bytes| bytes.len()) {
+            match self.place(frame, content, Some([row; 2]), &mut *buffer) {
                 // More bytes than the plain pixels.
                 Err(PacketError::Row) => {}
                 Err(error) => return Err(error),
-                Ok(count) => return buffer.get_mut(..count).ok_or(PacketError::Row),
+                Ok(range) => return buffer.get_mut(range).ok_or(PacketError::Row),
             }
         }
         self.write(frame, Content::Plain { y, width }, Some([row; 2]), buffer)
@@ -307,6 +308,18 @@ impl Encoder {
         rows: Option<[DisparityRow<'_>; 2]>,
         buffer: &'a mut [u8],
     ) -> Result<&'a mut [u8], PacketError> {
+        let range = self.place(frame, content, rows, &mut *buffer)?;
+        buffer.get_mut(range).ok_or(PacketError::Row)
+    }
+
+    /// The same; where in the buffer it is.
+    fn place(
+        &mut self,
+        frame: u32,
+        content: Content,
+        rows: Option<[DisparityRow<'_>; 2]>,
+        buffer: &mut [u8],
+    ) -> Result<Range<usize>, PacketError> {
         let width = content.rows().map_or(0, |rows| rows.width);
         let (needed, found) = (max_bytes(width), buffer.len());
         if found < needed {
@@ -315,9 +328,9 @@ impl Encoder {
         let header = Header { sequence: self.sequence, frame, content };
         let gap = stuffing::gap(max_plain(width));
         let plain = buffer.get_mut(gap..).and_then(|room| write_plain(&header, rows, room)).ok_or(PacketError::Row)?;
-        let count = stuffing::stuff(buffer, gap, gap + plain).ok_or(PacketError::Row)?;
+        let range = stuffing::stuff(buffer, gap, gap + plain).ok_or(PacketError::Row)?;
         self.sequence = self.sequence.wrapping_add(1);
-        buffer.get_mut(..count).ok_or(PacketError::Row)
+        Ok(range)
     }
 }
 
