@@ -61,11 +61,17 @@ impl Rig {
     /// The disparity that cameras with the same axes would show, to which depth is the inverse: with
     /// [`Rig::doffs_q8`] added, to 1/16 px.
     #[must_use]
+    #[inline]
     pub fn without_doffs(&self, disparity: Disparity) -> Disparity {
         let Some(bits) = disparity.known() else { return Disparity::UNKNOWN };
-        let bits = i32::from(bits) + ((self.doffs_q8 + 8) >> 4);
+        let bits = i32::from(bits) + self.doffs_bits();
         let bits = bits.clamp(i32::from(i16::MIN) + 1, i32::from(i16::MAX));
         Disparity::from_bits(i16::try_from(bits).unwrap_or(0))
+    }
+
+    /// [`Rig::doffs_q8`] to 1/16 px.
+    pub(crate) const fn doffs_bits(&self) -> i32 {
+        (self.doffs_q8 + 8) >> 4
     }
 
     /// Focal length, 1/256 px.

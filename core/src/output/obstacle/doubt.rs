@@ -5,63 +5,13 @@
 //! answers are often wrong, but seldom as far as the wall: where enough of them adjoin, agree and are nearer, in enough rows
 //! for what is sure to be outweighed, nothing is told.
 
-/// The longest chain of measured answers that ends at a block.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Doubt {
-    /// Disparity of the block, 1/16 px; 0 where there is none.
-    bits: i16,
-    /// Blocks in it, at most 255.
-    length: u8,
-    /// Whether it goes on from one block row to the next anywhere.
-    rises: bool,
-}
-
-impl Doubt {
-    /// No block.
-    pub(super) const NONE: Self = Self { bits: 0, length: 0, rises: false };
-    /// Least confidence of a measured answer: less is a guess.
-    const MEASURED: u8 = 16;
-
-    /// The block of disparity `bits`, greater than 0, among those beside and above it; and the disparity that it and one
-    /// of these reach both, 1/16 px, if `least` blocks agree, and not in one row only.
-    #[inline]
-    pub(super) fn grow(bits: i16, left: Self, above: [Self; 3], tolerance: u8, least: u8) -> (Self, Option<i16>) {
-        let (mut grown, mut reached) = (Self { bits, length: 1, rises: false }, 0);
-        for (chain, rises) in [(left, left.rises), (above[0], true), (above[1], true), (above[2], true)] {
-            if chain.bits != 0 && chain.bits.abs_diff(bits) <= u16::from(tolerance) {
-                grown.length = grown.length.max(chain.length.saturating_add(1));
-                grown.rises |= rises;
-                reached = reached.max(chain.bits.min(bits));
-            }
-        }
-        (grown, (grown.rises && grown.length >= least).then_some(reached))
-    }
-
-    /// Whether an answer of that confidence is measured, and no guess.
-    pub(super) const fn is_measured(confidence: u8) -> bool {
-        confidence >= Self::MEASURED
-    }
-}
-
 /// Blocks side by side none of which is sure, and what may be there.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Gap {
     /// The first block.
     pub(super) first: usize,
     /// The greatest disparity of a long enough chain in it, 1/16 px; 0: none.
-    pub(super) bits: i16,
-}
-
-impl Gap {
-    /// Takes the next block; where a sure one ends the gap, gives what may be in it.
-    pub(super) fn next(gap: &mut Option<Self>, block: usize, is_sure: bool, bits: i16) -> Option<Self> {
-        if is_sure {
-            return gap.take().filter(|gap| gap.bits > 0);
-        }
-        let gap = gap.get_or_insert(Self { first: block, bits });
-        gap.bits = gap.bits.max(bits);
-        None
-    }
+    pub(super) bits: u32,
 }
 
 /// In how many rows what is sure was seen in a sector, and in how many something doubtful, by its distance.

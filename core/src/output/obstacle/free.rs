@@ -14,7 +14,7 @@ pub(super) struct Reach {
 impl Reach {
     /// Whether a sure disparity of `bits` leaves the way free: it lies beyond the distance, in spite of its doubt, or is
     /// not in the band.
-    pub(super) fn is_clear(&self, lane: &Lane, bits: i16, doubt: u8) -> bool {
+    pub(super) fn is_clear(&self, lane: &Lane, bits: i32, doubt: u8) -> bool {
         let is_beyond = i64::from(bits) + i64::from(doubt) <= self.bits;
         is_beyond || (!self.is_within && bits > 0 && !lane.holds(bits))
     }

@@ -62,7 +62,7 @@ impl Camera {
         let above_lowest = at_least(lowest_mm - height_mm, rise, i64::from(doubt));
         let below_highest = at_least(height_mm - highest_mm, -rise, 0);
         let (least, most) = (above_lowest.0.max(below_highest.0), above_lowest.1.min(below_highest.1));
-        let narrow = |bits: i64| i16::try_from(bits.clamp(0, i64::from(i16::MAX))).unwrap_or(0);
+        let narrow = |bits: i64| i32::try_from(bits.clamp(0, i64::from(i16::MAX))).unwrap_or(0);
         // None has 0, and what lies beyond what it can have is nothing.
         let is_empty = least > i64::from(i16::MAX) || most < 1;
         Some(Lane {
@@ -101,7 +101,7 @@ pub(super) struct Lane {
     least: i64,
     most: i64,
     /// Those of them that a disparity can have.
-    within: [i16; 2],
+    within: [i32; 2],
     /// Focal length x distance ahead / depth, px.
     ahead_q22: i64,
     /// The same x baseline, µm px: distance ahead x disparity.
@@ -111,15 +111,15 @@ pub(super) struct Lane {
 impl Lane {
     /// Whether a point of that disparity, 1/16 px, lies within the band of heights.
     #[inline]
-    pub(super) fn holds(&self, bits: i16) -> bool {
+    pub(super) fn holds(&self, bits: i32) -> bool {
         (self.within[0]..=self.within[1]).contains(&bits)
     }
 
     /// Distance over the ground of a point of disparity `bits` > 0, mm, rounded down.
-    pub(super) fn range_mm(&self, bits: i16, secant_q14: u32) -> u32 {
+    pub(super) fn range_mm(&self, bits: u32, secant_q14: u32) -> u32 {
         // Below 2^39 * 2^18. In mm and with the disparity in 1/16 px: 1000 * 2^14 / 16.
         let numerator = self.ahead * u64::from(secant_q14);
-        let denominator = u64::from(bits.unsigned_abs().max(1)) * 1000 * 1024;
+        let denominator = u64::from(bits.max(1)) * 1000 * 1024;
         u32::try_from(numerator / denominator).unwrap_or(u32::MAX - 1)
     }
 

@@ -32,13 +32,13 @@ use core::fmt;
 use crate::method::capacity::blocks_for;
 use crate::{DisparityRow, Rig};
 
-mod chain;
+mod block;
 mod doubt;
 mod free;
 mod lane;
 
-use chain::Chain;
-use doubt::{Doubt, Gap, Weighing};
+use block::Block;
+use doubt::{Gap, Weighing};
 use free::Clearance;
 use lane::{Camera, Directions, Lane};
 
@@ -146,6 +146,9 @@ impl Settings {
     /// anything else is to be seen. The outline of a thing without texture is made of these.
     pub const FRINGE: u8 = 56;
 
+    /// From this confidence on an answer is measured; less is a guess.
+    const MEASURED: u8 = 16;
+
     /// Five sure blocks within 1 px, half a pixel of doubt; five doubtful ones.
     pub const DEFAULT: Self = Self {
         agreeing_blocks: 5,
@@ -222,8 +225,7 @@ pub struct Obstacles<const SECTORS: usize, const BLOCKS: usize> {
     sectors: Sectors<SECTORS>,
     settings: Settings,
     /// The block row looked at last.
-    chains: [Chain; BLOCKS],
-    doubts: [Doubt; BLOCKS],
+    blocks: [Block; BLOCKS],
     nearest_mm: [u32; SECTORS],
     /// What may be nearer.
     weighings: [Weighing; SECTORS],
@@ -261,8 +263,7 @@ impl<const SECTORS: usize, const BLOCKS: usize> Obstacles<SECTORS, BLOCKS> {
             camera,
             sectors,
             settings,
-            chains: [Chain::NONE; BLOCKS],
-            doubts: [Doubt::NONE; BLOCKS],
+            blocks: [Block::NONE; BLOCKS],
             nearest_mm: [UNKNOWN_MM; SECTORS],
             weighings: [Weighing::NONE; SECTORS],
             clearance: [Clearance::NONE; SECTORS],
@@ -271,7 +272,7 @@ impl<const SECTORS: usize, const BLOCKS: usize> Obstacles<SECTORS, BLOCKS> {
 
     /// Begins a frame. The first row of one does the same.
     pub fn start(&mut self) {
-        (self.chains, self.doubts) = ([Chain::NONE; BLOCKS], [Doubt::NONE; BLOCKS]);
+        self.blocks = [Block::NONE; BLOCKS];
         (self.nearest_mm, self.weighings) = ([UNKNOWN_MM; SECTORS], [Weighing::NONE; SECTORS]);
         self.clearance = [Clearance::NONE; SECTORS];
     }
@@ -291,7 +292,7 @@ impl<const SECTORS: usize, const BLOCKS: usize> Obstacles<SECTORS, BLOCKS> {
                     self.clear(&lane, row);
                 }
             }
-            None => (self.chains, self.doubts) = ([Chain::NONE; BLOCKS], [Doubt::NONE; BLOCKS]),
+            None => self.blocks = [Block::NONE; BLOCKS],
         }
     }
 
@@ -303,6 +304,7 @@ impl<const SECTORS: usize, const BLOCKS: usize> Obstacles<SECTORS, BLOCKS> {
         for (index, (disparity, &confidence)) in samples.enumerate().skip(Self::SAMPLE).step_by(SIZE) {
             let Some(sector) = directions.sector_of(index) else { continue };
             let sure = disparity.known().filter(|_| confidence >= self.settings.min_confidence);
+            let sure = sure.map(|bits| i32::from(bits) + self.camera.rig().doffs_bits());
             if let Some(clearance) = self.clearance.get_mut(sector) {
                 clearance.add(&reach, sure.map(|bits| reach.is_clear(lane, bits, self.settings.doubt)));
             }
@@ -328,62 +330,87 @@ impl<const SECTORS: usize, const BLOCKS: usize> Obstacles<SECTORS, BLOCKS> {
 
     /// Extends the chains by a row of blocks, and reports those that are believed.
     fn look(&mut self, lane: &Lane, row: &DisparityRow<'_>) {
-        let samples = row.disparity.iter().zip(row.confidence).take(self.camera.width());
-        let mut samples = samples.skip(Self::SAMPLE).step_by(SIZE).peekable();
+        let width = self.camera.width().min(row.disparity.len()).min(row.confidence.len());
+        let count = ((width + SIZE - 1 - Self::SAMPLE) / SIZE).min(BLOCKS);
+        self.extend(lane, row, count);
+        self.report(lane, row, count);
+    }
+
+    /// Extends the chains by the first `count` blocks of a row.
+    #[inline(never)]
+    fn extend(&mut self, lane: &Lane, row: &DisparityRow<'_>, count: usize) {
+        let Self { camera, settings, blocks, .. } = self;
+        let (doffs, settings) = (camera.rig().doffs_bits(), *settings);
+        let (mut left, mut above_left) = (Block::NONE, Block::NONE);
+        let mut above = blocks.first().copied().unwrap_or(Block::NONE);
+        let mut column = Self::SAMPLE;
+        for index in 0..count {
+            let above_right = blocks.get(index + 1).copied().unwrap_or(Block::NONE);
+            let mut block = Block::NONE;
+            // At the border of the view a block is made of one side only: in noise it is wrong by more.
+            if index > 0
+                && index + 1 < count
+                && let Some(&confidence) = row.confidence.get(column)
+                && let weight = settings.weight(confidence)
+                && (weight > 0 || confidence >= Settings::MEASURED)
+                && let Some(&disparity) = row.disparity.get(column)
+                && let Some(bits) = disparity.known()
+                && let bits = i32::from(bits) + doffs
+                && lane.holds(bits)
+            {
+                let above = [&above_left, &above, &above_right];
+                block = Block::grow(bits.unsigned_abs(), weight, &left, above, settings.tolerance);
+            }
+            if let Some(slot) = blocks.get_mut(index) {
+                *slot = block;
+            }
+            (left, above_left, above) = (block, above, above_right);
+            column += SIZE;
+        }
+    }
+
+    /// Reports what is believed of the first `count` blocks of a row, and what is in doubt.
+    #[inline(never)]
+    fn report(&mut self, lane: &Lane, row: &DisparityRow<'_>, count: usize) {
+        let Settings { agreeing_blocks, min_confidence, doubtful_blocks, .. } = self.settings;
+        let least_weight = agreeing_blocks.max(2).saturating_mul(Settings::SURE_WEIGHT).into();
         let mut directions = Directions::new(lane, &self.sectors);
         // Of blocks that were passed already.
         let mut passed = directions.clone();
-        let (mut left, mut above_left) = (Chain::NONE, Chain::NONE);
-        let (mut doubt_left, mut doubt_above_left) = (Doubt::NONE, Doubt::NONE);
-        let (mut gap, mut doubtful) = (None, [0; SECTORS]);
+        let (mut gap, mut doubtful) = (Gap { first: 0, bits: 0 }, [0; SECTORS]);
         let mut report = Report { sector: None, bits: 0 };
-        let Settings { tolerance, doubtful_blocks, .. } = self.settings;
-        let least_weight = self.settings.agreeing_blocks.max(2).saturating_mul(Settings::SURE_WEIGHT);
-        for index in 0..BLOCKS {
-            let Some((disparity, &confidence)) = samples.next() else { break };
-            // At the border of the view a block is made of one side only: in noise it is wrong by more.
-            let confidence = if index == 0 || samples.peek().is_none() { 0 } else { confidence };
-            let disparity = self.camera.rig().without_doffs(*disparity);
-            let bits = disparity.known().filter(|&bits| lane.holds(bits));
-            let weight = self.settings.weight(confidence);
-            let above = around(&self.chains, index, above_left, Chain::NONE);
-            let chain = bits
-                .filter(|_| weight > 0)
-                .map_or(Chain::NONE, |bits| Chain::grow(bits, weight, left, above, tolerance));
-            let is_believed = chain.is_believed(least_weight);
-            if doubtful_blocks > 0 {
-                let above = around(&self.doubts, index, doubt_above_left, Doubt::NONE);
-                let measured = bits.filter(|_| Doubt::is_measured(confidence));
-                let (doubt, reached) = measured.map_or((Doubt::NONE, None), |bits| {
-                    Doubt::grow(bits, doubt_left, above, tolerance, doubtful_blocks)
-                });
-                (doubt_left, doubt_above_left) = (doubt, above[1]);
-                if let Some(slot) = self.doubts.get_mut(index) {
-                    *slot = doubt;
-                }
-                let (is_sure, bits) = (confidence >= self.settings.min_confidence, reached.unwrap_or(0));
-                if let Some(gap) = Gap::next(&mut gap, index, is_sure, bits) {
-                    self.doubt(&mut passed, gap, index, &mut doubtful);
-                }
-                if is_sure && bits > 0 && !is_believed {
-                    self.doubt(&mut passed, Gap { first: index, bits }, index + 1, &mut doubtful);
-                }
-            }
-            if let Some(slot) = self.chains.get_mut(index) {
-                *slot = chain;
-            }
-            (left, above_left) = (chain, above[1]);
+        let mut column = Self::SAMPLE;
+        for index in 0..count {
+            let Some(&block) = self.blocks.get(index) else { break };
+            let is_believed = block.is_believed(least_weight);
             if is_believed {
-                let sector = directions.sector_of(SIZE * index + Self::SAMPLE);
+                let sector = directions.sector_of(column);
                 if sector != report.sector {
                     self.note(lane, report);
                     report = Report { sector, bits: 0 };
                 }
-                report.bits = report.bits.max(chain.told());
+                report.bits = report.bits.max(block.told());
             }
+            if doubtful_blocks > 0 {
+                let bits = block.doubtful(doubtful_blocks);
+                let is_border = index == 0 || index + 1 == count;
+                let is_sure = !is_border && row.confidence.get(column).is_some_and(|&sure| sure >= min_confidence);
+                if !is_sure {
+                    gap.bits = gap.bits.max(bits);
+                } else {
+                    if gap.bits > 0 {
+                        self.doubt(&mut passed, gap, index, &mut doubtful);
+                    }
+                    gap = Gap { first: index + 1, bits: 0 };
+                    if bits > 0 && !is_believed {
+                        self.doubt(&mut passed, Gap { first: index, bits }, index + 1, &mut doubtful);
+                    }
+                }
+            }
+            column += SIZE;
         }
         self.note(lane, report);
-        if let Some(gap) = gap.filter(|gap: &Gap| gap.bits > 0) {
+        if gap.bits > 0 {
             self.doubt(&mut passed, gap, BLOCKS, &mut doubtful);
         }
         for ((&bits, &secant), weighing) in doubtful.iter().zip(&self.sectors.secant_q14).zip(&mut self.weighings) {
@@ -394,7 +421,8 @@ impl<const SECTORS: usize, const BLOCKS: usize> Obstacles<SECTORS, BLOCKS> {
     }
 
     /// Notes what may be in the sectors of the blocks of a gap, up to the block `end`.
-    fn doubt(&self, passed: &mut Directions<SECTORS>, gap: Gap, end: usize, doubtful: &mut [i16; SECTORS]) {
+    #[inline(never)]
+    fn doubt(&self, passed: &mut Directions<SECTORS>, gap: Gap, end: usize, doubtful: &mut [u32; SECTORS]) {
         passed.rewind();
         for index in gap.first..end.min(self.camera.width().div_ceil(SIZE)) {
             let sector = passed.sector_of(SIZE * index + Self::SAMPLE);
@@ -404,6 +432,7 @@ impl<const SECTORS: usize, const BLOCKS: usize> Obstacles<SECTORS, BLOCKS> {
         }
     }
 
+    #[inline(never)]
     fn note(&mut self, lane: &Lane, Report { sector, bits }: Report) {
         let Some(sector) = sector else { return };
         let secant = self.sectors.secant_q14.get(sector);
@@ -417,16 +446,11 @@ impl<const SECTORS: usize, const BLOCKS: usize> Obstacles<SECTORS, BLOCKS> {
     }
 }
 
-/// The three blocks above one: left of it, which the row under way has replaced, over it, and right of it.
-fn around<T: Copy>(row: &[T], index: usize, above_left: T, none: T) -> [T; 3] {
-    [above_left, row.get(index).copied().unwrap_or(none), row.get(index + 1).copied().unwrap_or(none)]
-}
-
 /// The greatest disparity believed in a sector of a row, 1/16 px.
 #[derive(Debug, Clone, Copy)]
 struct Report {
     sector: Option<usize>,
-    bits: i16,
+    bits: u32,
 }
 
 #[cfg(test)]

@@ -245,7 +245,7 @@ fn the_blocks_at_the_border_do_not_count() {
 #[test]
 fn what_it_keeps_is_small() {
     let size = size_of::<Obstacles<17, { blocks_for(320) }>>();
-    assert!(size <= 2240, "{size}");
+    assert!(size <= 2640, "{size}");
 }
 
 #[test]
@@ -320,9 +320,9 @@ proptest! {
         // But for heights on the very border.
         if (over_ground - f64::from(lowest_mm)).abs() > 1e-6 && (over_ground - f64::from(highest_mm)).abs() > 1e-6 {
             let is_in_band = (f64::from(lowest_mm)..f64::from(highest_mm)).contains(&over_ground);
-            prop_assert_eq!(lane.holds(bits), is_in_band, "{} mm over the ground", over_ground);
+            prop_assert_eq!(lane.holds(bits.into()), is_in_band, "{} mm over the ground", over_ground);
         }
-        prop_assert!((f64::from(lane.range_mm(bits, 1 << 14)) - depth * ahead).abs() < 1.0 + depth * 1e-5);
+        prop_assert!((f64::from(lane.range_mm(bits.unsigned_abs().into(), 1 << 14)) - depth * ahead).abs() < 1.0 + depth * 1e-5);
         if let Depth::Millimetres(mm) = rig().depth(Disparity::from_bits(bits)) {
             prop_assert!((f64::from(mm) - depth).abs() <= 0.5);
         }
