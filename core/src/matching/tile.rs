@@ -185,7 +185,7 @@ struct Search<'a, C, const WORDS: usize> {
 
 impl<C: CellCost, const WORDS: usize> Search<'_, C, WORDS> {
     /// The trial of a label, after trying it if that was not done.
-    #[inline(always)]
+    #[inline(never)]
     fn at(&mut self, label: u32) -> u32 {
         let tried = self.trials.len();
         let place = self.trials.place_of(label);

@@ -51,6 +51,7 @@ struct Settings<C> {
 #[derive(Debug, Clone)]
 pub struct Tiled<M: Matching, const BLOCKS: usize, C = Untimed> {
     config: Config,
+    #[cfg(feature = "ablation")]
     parts: Parts,
     left: CameraView<BLOCKS, M::Features<BLOCKS>>,
     right: CameraView<BLOCKS, M::Features<BLOCKS>>,
@@ -86,10 +87,11 @@ impl<M: Matching, const BLOCKS: usize> Tiled<M, BLOCKS> {
         Self::build(config, Parts::ALL, Untimed)
     }
 
-    /// Builds the method of some of its parts only, to see what the others bring.
+    /// Builds the method of some of its parts only, to see what the others bring. Of the feature `ablation`.
     ///
     /// # Errors
     /// If the configuration is invalid or the width over the capacity.
+    #[cfg(feature = "ablation")]
     pub fn with_parts(config: Config, parts: Parts) -> Result<Self, ConfigError> {
         Self::build(config, parts, Untimed)
     }
@@ -109,10 +111,12 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> Tiled<M, BLOCKS, C> {
         Self::build(config, Parts::ALL, clock)
     }
 
+    #[cfg_attr(not(feature = "ablation"), expect(unused_variables, reason = "all there are"))]
     fn build(config: Config, parts: Parts, clock: C) -> Result<Self, ConfigError> {
         check_capacity(&config, BLOCKS)?;
         Ok(Self {
             config,
+            #[cfg(feature = "ablation")]
             parts,
             left: CameraView::new(),
             right: CameraView::new(),
@@ -137,8 +141,17 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> Tiled<M, BLOCKS, C> {
         })
     }
 
+    /// The parts that take part. Without the feature `ablation` the compiler sees that they are all.
+    #[inline(always)]
+    fn parts(&self) -> Parts {
+        #[cfg(feature = "ablation")]
+        return self.parts;
+        #[cfg(not(feature = "ablation"))]
+        Parts::ALL
+    }
+
     fn settings(&self) -> Settings<M::Cost> {
-        let extremum = self.parts.extremum;
+        let extremum = self.parts().extremum;
         let (cost, penalties) = M::costs(self.noise.level >= SmoothingLevel::Medium);
         let contour = if M::AGREEMENT { 4 } else { 5 };
         let (contour_threshold, near, far) = match self.noise.level {
@@ -160,6 +173,7 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> Tiled<M, BLOCKS, C> {
     }
 
     /// Goes as far as the newest row of both views allows.
+    #[inline(never)]
     fn advance(&mut self, sink: &mut dyn FnMut(DisparityRow<'_>)) {
         let width = usize::from(self.config.width);
         let settings = self.settings();
@@ -169,8 +183,9 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> Tiled<M, BLOCKS, C> {
             self.right.smooth_row(self.noise.level, width);
         }
         if newest > SMOOTH_LAG {
+            let Parts { reading, .. } = self.parts();
             for view in [&mut self.left, &mut self.right] {
-                match self.parts.reading {
+                match reading {
                     Reading::Haar => view.feature_row(settings.clips, width),
                     Reading::Intensity => view.intensity_row(settings.clips, width),
                 }
@@ -225,7 +240,7 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> Tiled<M, BLOCKS, C> {
         self.seeds.pair(&self.config, views, tiles);
         self.repetition.observe(self.seeds.left_contours());
         let range = self.config.num_disparities;
-        match self.parts.seeds {
+        match self.parts().seeds {
             Seeds::Contours => {}
             Seeds::None => self.seeds.replace(tiles, |_| [u16::MAX; 2]),
             Seeds::Random(seed) => self.seeds.replace(tiles, |tile| {
@@ -249,7 +264,8 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> Tiled<M, BLOCKS, C> {
         self.clock.enter(Stage::Blocks);
         let tiles = self.tiles();
         let row = TileRow::new(&self.config, self.left.tiles(tile_row), self.right.tiles(tile_row), settings.tile);
-        let mut paths = self.paths.paths().filter(|_| self.parts.agreement);
+        let Parts { agreement, extremum, .. } = self.parts();
+        let mut paths = self.paths.paths().filter(|_| agreement);
         let slots = cell_slots::<BLOCKS, M::Cells<BLOCKS>>(tile_row);
         let Ok([above, upper, lower]) = self.cells.rows().get_disjoint_mut(slots) else { return };
         // The cells above, a pair a tile.
@@ -258,7 +274,7 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> Tiled<M, BLOCKS, C> {
             _ => above.label[..2 * tiles].as_chunks::<2>().0,
         };
         if M::SEARCH {
-            let settings = BlockSettings::of(self.noise.level, self.parts.extremum);
+            let settings = BlockSettings::of(self.noise.level, extremum);
             let row = BlockRow::new(&self.config, row.left, row.right, settings);
             let seeds = |tile: usize| self.seeds.nearest(tile).map(u32::from);
             row.decide(seeds, above, [upper.tiles(tiles), lower.tiles(tiles)]);
@@ -297,7 +313,8 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> Tiled<M, BLOCKS, C> {
     /// The agreement of the cells.
     fn agree(&mut self, tile_row: u32, settings: Settings<M::Cost>) {
         let tiles = self.tiles();
-        if let Some(paths) = self.paths.paths().filter(|_| self.parts.agreement) {
+        let agreement = self.parts().agreement;
+        if let Some(paths) = self.paths.paths().filter(|_| agreement) {
             self.clock.enter(Stage::Agreement);
             let slots = cell_slots::<BLOCKS, M::Cells<BLOCKS>>(tile_row);
             let Ok(rows) = self.cells.rows().get_disjoint_mut(slots) else { return };
@@ -321,7 +338,7 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> Tiled<M, BLOCKS, C> {
     /// The last cell row that is final once this row of tiles is decided.
     fn last_final(&self, tile_row: u32) -> u32 {
         // The row below has its say in the agreement.
-        2 * tile_row + u32::from(!(M::AGREEMENT && self.parts.agreement))
+        2 * tile_row + u32::from(!(M::AGREEMENT && self.parts().agreement))
     }
 
     /// Answers the next cell row, if the row below it is final.
@@ -342,7 +359,7 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> Tiled<M, BLOCKS, C> {
         while self.evidence.len() <= last {
             self.measure_evidence(2 * self.evidence.len() + lower, floor);
         }
-        if !is_judged && self.parts.texture {
+        if !is_judged && self.parts().texture {
             self.evidence.judge(number, cells, floor, &mut self.worth);
         }
         let [left, right] = features_of([&self.left, &self.right], row);
@@ -413,7 +430,7 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> Tiled<M, BLOCKS, C> {
         if self.rows < 16 || self.rows.is_multiple_of(8) {
             let [left, right] = &self.histograms;
             self.noise = Noise::of(left, right, Gain::default());
-            if !self.parts.smoothing {
+            if !self.parts().smoothing {
                 self.noise.level = SmoothingLevel::Off;
             }
         }

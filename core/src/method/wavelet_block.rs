@@ -3,6 +3,7 @@
 use crate::method::deciding::Searching;
 use crate::method::tile_pipeline::Tiled;
 use crate::stage::Untimed;
+#[cfg(feature = "ablation")]
 use crate::{Config, ConfigError, Parts, Reading};
 
 /// `StereoBM`'s steps, blocks, comparison and disparity, but for the exhaustive search: the paper's wavelet-modified block
@@ -14,21 +15,22 @@ use crate::{Config, ConfigError, Parts, Reading};
 /// shortest support, two samples; where the cost rises by A_1 on both sides the extremum is registered. Elsewhere it begins
 /// again with a long support and shortens it (eq. 6 to 9), and the better of its end and the nearest minimum is taken.
 ///
-/// At most 64 costs a block, whatever the range; see [`Reading`] for what is compared. The rows that go out are smoothed and
+/// At most 64 costs a block, whatever the range; see [`Reading`](crate::Reading) for what is compared. The rows that go out are smoothed and
 /// rated like those of [`Lite`](crate::Lite).
 ///
 /// # Examples
 /// ```
-/// use haarline::{Config, Reading, StereoMethod, WaveletBlock, blocks_for};
+/// use haarline::{Config, StereoMethod, WaveletBlock, blocks_for};
 /// let config = Config { num_disparities: 48, ..Config::for_width(320) };
-/// let method = WaveletBlock::<{ blocks_for(320) }>::with_reading(config, Reading::Intensity)?;
+/// let method = WaveletBlock::<{ blocks_for(320) }>::new(config)?;
 /// assert_eq!(method.config(), &config);
 /// # Ok::<(), haarline::ConfigError>(())
 /// ```
 pub type WaveletBlock<const BLOCKS: usize, C = Untimed> = Tiled<Searching, BLOCKS, C>;
 
+#[cfg(feature = "ablation")]
 impl<const BLOCKS: usize> WaveletBlock<BLOCKS> {
-    /// Builds the method of that reading; [`Tiled::new`] takes the default one.
+    /// Builds the method of that reading; [`Tiled::new`] takes the default one. Of the feature `ablation`.
     ///
     /// # Errors
     /// If the configuration is invalid or the width over the capacity.
