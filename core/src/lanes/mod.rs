@@ -39,6 +39,7 @@ pub(crate) mod cell_codes;
 pub(crate) mod columns;
 pub(crate) mod evidence_rows;
 pub(crate) mod lens_runs;
+pub(crate) mod partners;
 pub(crate) mod rows;
 pub(crate) mod trials;
 

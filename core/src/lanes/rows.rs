@@ -291,6 +291,7 @@ pub(crate) fn window_sad(left_rows: [&[u32]; 2], left: usize, right_rows: [&[u32
 
 /// A window of 8 columns of two rows, that begins at any byte.
 #[derive(Clone, Copy)]
+#[repr(transparent)]
 pub(crate) struct Window([u32; 4]);
 
 impl Window {

@@ -1,6 +1,5 @@
 //! Seeds: for each tile the disparities of the nearest contours that both views see.
 #![allow(
-    clippy::explicit_counter_loop,
     clippy::cast_possible_truncation,
     clippy::cast_possible_wrap,
     clippy::cast_sign_loss,
@@ -9,9 +8,10 @@
 
 use crate::Config;
 use crate::front_end::camera_view::{CameraView, FeatureRows, Row};
+use crate::lanes::partners::{Contour, Wanted, cheapest};
 #[cfg(haarline_sse2)]
 use crate::lanes::rows::haar_peaks_of_pairs;
-use crate::lanes::rows::{Window, haar_responses};
+use crate::lanes::rows::haar_responses;
 use crate::lanes::{ONES, greatest, max, select_ge};
 
 /// Marks a tile without a seed on that side.
@@ -20,25 +20,6 @@ const NONE: u16 = u16::MAX;
 const NOBODY: u32 = u32::MAX;
 /// Percent of the least cost by which the second least must exceed it, as `second * 5 > best * UNIQUENESS`.
 const UNIQUENESS: u32 = 6;
-
-/// A contour.
-#[derive(Debug, Clone, Copy)]
-struct Contour {
-    /// Column in the upper half, strength in the lower one.
-    place: u32,
-    /// Of a left contour its partner. Of a right one the least cost, and whose it is: 24 and 8 bits.
-    partner: u32,
-}
-
-impl Contour {
-    const fn column(self) -> usize {
-        (self.place >> 16) as usize
-    }
-
-    const fn strength(self) -> u32 {
-        self.place & 0xffff
-    }
-}
 
 /// The contours of both views and the seeds of one row of tiles.
 #[derive(Debug, Clone)]
@@ -102,15 +83,9 @@ impl<const WORDS: usize> TileSeeds<WORDS> {
             while candidates.get(start).is_some_and(|c| c.place < first) {
                 start += 1;
             }
-            let [best, second] = cheapest(
-                *contour,
-                i,
-                start as u32,
-                end,
-                left_rows,
-                right_rows,
-                candidates.get_mut(start..).unwrap_or_default(),
-            );
+            let wanted = Wanted::of(*contour, left_rows, i, end);
+            let candidates = candidates.get_mut(start..).unwrap_or_default();
+            let [best, second] = cheapest(&wanted, start as u32, right_rows, candidates);
             let (cost, other) = (best >> 8, second >> 8);
             contour.partner = if best != u32::MAX && (second == u32::MAX || 5 * other > UNIQUENESS * cost) {
                 best & 0xff
@@ -195,46 +170,6 @@ fn find<const WORDS: usize, const ROWS: usize, const FALLING: bool>(
         column += 8;
     });
     len
-}
-
-/// The two cheapest partners of a left contour, cost and place in one number, `u32::MAX` where there is none; the candidates
-/// learn of it.
-///
-/// - `number`: of the contour; `start`: of the first candidate; `end`: the first place that is none.
-#[inline(always)]
-fn cheapest<const WORDS: usize>(
-    contour: Contour,
-    number: u32,
-    start: u32,
-    end: u32,
-    left: &[Row<WORDS>; 2],
-    right: &[Row<WORDS>; 2],
-    candidates: &mut [Contour],
-) -> [u32; 2] {
-    let (mut best, mut second) = (u32::MAX, u32::MAX);
-    let window = Window::of(left, contour.column());
-    // Strengths within a ratio of 2.
-    let strength = contour.strength();
-    let weakest = strength.div_ceil(2);
-    let span = 2 * strength - weakest;
-    let mut place = start;
-    for candidate in candidates {
-        if candidate.place >= end {
-            break;
-        }
-        if candidate.strength().wrapping_sub(weakest) <= span {
-            let cost = window.sad(right, candidate.column()) << 8;
-            candidate.partner = candidate.partner.min(cost | number);
-            let key = cost | place;
-            if key < best {
-                (second, best) = (best, key);
-            } else if key < second {
-                second = key;
-            }
-        }
-        place += 1;
-    }
-    [best, second]
 }
 
 /// The two rows in the middle of a tile.

@@ -1,0 +1,78 @@
+//! Blocks that adjoin and agree: the longest chain of sure ones that ends at a block, and that of measured ones.
+
+use crate::lanes::{add, max, select_ge_halves, splat_half};
+
+/// A block, and the chains that end at it.
+///
+/// Chains are told in bytes: the weight of the sure ones, the number of the measured ones, at most 255, and whether
+/// each goes on from one block row to the next anywhere (0xff).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Block {
+    /// Its disparity, 1/16 px, greater than 0; of none so far from all that it agrees with none.
+    bits: i32,
+    /// If it is sure, its disparity, and that which it and a block before it reach both; else 0. Lower and upper half.
+    sure: u32,
+    /// The chains as they are to those beside it, and as they are to those below it.
+    beside: u32,
+    below: u32,
+    /// The disparity that it and two before it in the chain of sure ones reach, 0 if it has no two; and that which it and one
+    /// before it in the chain of measured ones reach. 1/16 px, lower and upper half.
+    reached: u32,
+}
+
+impl Block {
+    /// No block.
+    pub(super) const NONE: Self = Self { bits: -(1 << 20), sure: 0, beside: 0, below: 0, reached: 0 };
+    /// What two blocks reach may be so much more than what three do, 1/16 px: single ones are wrong by a little in noise.
+    const MOST_ALONE: u32 = 2;
+    /// The bytes of the chain of measured ones.
+    const MEASURED: u32 = 0xff00_ff00;
+
+    /// A measured block of disparity `bits`, greater than 0: its chains go on from those beside and above it that agree, or
+    /// begin. `own` is what it weighs in a chain of sure ones; 0: nothing.
+    #[inline(always)]
+    pub(super) fn grow(bits: u32, own: u8, left: &Self, above: [&Self; 3], tolerance: u8) -> Self {
+        let splat = splat_half(bits);
+        let (least, span) = (bits.wrapping_sub(tolerance.into()), 2 * u32::from(tolerance));
+        let counted = if own > 0 { u32::MAX } else { Self::MEASURED };
+        let one = u32::from(own) | 1 << 8;
+        // What this block and one before it reach: measured ones; sure ones, two and three.
+        let (mut chains, mut doubtful, mut reached) = (one, 0, 0);
+        for (before, before_chains) in
+            [(left, left.beside), (above[0], above[0].below), (above[1], above[1].below), (above[2], above[2].below)]
+        {
+            let other = before.bits.cast_unsigned();
+            if other.wrapping_sub(least) <= span {
+                chains = max(chains, add(before_chains & counted, one));
+                let both = select_ge_halves(before.sure, splat, splat, before.sure);
+                reached = select_ge_halves(both, reached, both, reached);
+                doubtful = doubtful.max(other.min(bits));
+            }
+        }
+        Self {
+            bits: bits.cast_signed(),
+            sure: if own > 0 { bits | reached << 16 } else { 0 },
+            beside: chains,
+            below: chains | 0xffff_0000 & counted,
+            reached: reached >> 16 | doubtful << 16,
+        }
+    }
+
+    /// The disparity that is told of its chain of sure blocks, 1/16 px.
+    pub(super) fn told(&self) -> u32 {
+        let (two, three) = (self.sure >> 16, self.reached & 0xffff);
+        if three > 0 { two.min(three + Self::MOST_ALONE) } else { two }
+    }
+
+    /// Whether sure blocks of so much weight agree, and not in one row only.
+    #[inline(always)]
+    pub(super) const fn is_believed(&self, weight: u32) -> bool {
+        self.beside & 0x00ff_0000 != 0 && self.beside & 0xff >= weight
+    }
+
+    /// The disparity that may be there, 1/16 px, if so many measured blocks agree, and not in one row only; else 0.
+    #[inline(always)]
+    pub(super) const fn doubtful(&self, length: u8) -> u32 {
+        if self.beside >> 24 != 0 && self.beside >> 8 & 0xff >= length as u32 { self.reached >> 16 } else { 0 }
+    }
+}
