@@ -46,7 +46,7 @@ impl<const WORDS: usize> CellRow<WORDS> {
         }
     }
 
-    /// Smooths the values along the row, each with those neighbours that are the same surface; two cells a word.
+    /// Smooths the values along the row twice, each with those neighbours that are the same surface; two cells a word.
     #[inline(never)]
     pub(crate) fn smooth(&mut self, cells: usize) {
         fill_up(&mut self.label, cells);
@@ -60,21 +60,37 @@ impl<const WORDS: usize> CellRow<WORDS> {
         {
             last[1] = last[0] ^ FAR;
         }
-        let mut here = values.first().map_or(0, |&pair| word(pair));
-        let mut before = (here ^ u32::from(FAR)) << 16;
-        let beyond = values.last().map_or(0, |&pair| word(pair) >> 16 ^ u32::from(FAR));
+        let far = u32::from(FAR);
         let same = held(SAME_SURFACES);
-        let both = |before: u32, here: u32, next: u32| {
-            let (smooth, slope) = blend_pair(same, here, before >> 16 | here << 16, here >> 16 | next << 16);
+        let beside = |before: u32, here: u32, next: u32| [before >> 16 | here << 16, here >> 16 | next << 16];
+        let once = |before: u32, here: u32, next: u32| {
+            let [before, after] = beside(before, here, next);
+            blend_pair(same, here, before, after).0
+        };
+        let twice = |before: u32, here: u32, next: u32| {
+            let [before, after] = beside(before, here, next);
+            let (smooth, slope) = blend_pair_widely(same, here, before, after);
             (halves(smooth), halves(slope).map(u16::cast_signed))
         };
-        for i in 1..pairs {
+        // Two pairs side by side as they are, and two that were smoothed once, a pair before these.
+        let mut values_ahead = values.iter().map(|&pair| word(pair));
+        let first = values_ahead.next().unwrap_or_default();
+        let second = values_ahead.next().unwrap_or(first >> 16 ^ far);
+        let (mut before, mut here) = (first, second);
+        let mut smooth_here = once((first ^ far) << 16, first, second);
+        let mut smooth_before = (smooth_here ^ far) << 16;
+        for i in 2..pairs {
             let next = word(values[i]);
-            (values[i - 1], slopes[i - 1]) = both(before, here, next);
+            let smooth_next = once(before, here, next);
+            (values[i - 2], slopes[i - 2]) = twice(smooth_before, smooth_here, smooth_next);
             (before, here) = (here, next);
+            (smooth_before, smooth_here) = (smooth_here, smooth_next);
         }
-        if let (Some(value), Some(slope)) = (values.last_mut(), slopes.last_mut()) {
-            (*value, *slope) = both(before, here, beyond);
+        let smooth_next = once(before, here, here >> 16 ^ far);
+        let smooth_beyond = smooth_next >> 16 ^ far;
+        if let ([.., value, last_value], [.., slope, last_slope]) = (values, slopes) {
+            (*value, *slope) = twice(smooth_before, smooth_here, smooth_next);
+            (*last_value, *last_slope) = twice(smooth_here, smooth_next, smooth_beyond);
         }
     }
 }
@@ -107,6 +123,20 @@ pub(crate) fn blend_pair(same: u32, here: u32, before: u32, after: u32) -> (u32,
     let after = select_ge_halves(same, from_after, after, here);
     let furthest = select_ge_halves(from_before, from_after, from_before, from_after);
     let mean = halved_sum_halves(halved_sum_halves(before, after), here);
+    let value = select_ge_halves(same, furthest, mean, here);
+    let slope = select_ge_halves(same, furthest, halved_difference_halves(after, before), sub_halves(after, before));
+    (value, slope)
+}
+
+/// The same with more of the neighbours, three eighths each where both are on the surface.
+#[inline(always)]
+fn blend_pair_widely(same: u32, here: u32, before: u32, after: u32) -> (u32, u32) {
+    let (from_before, from_after) = (difference_of_halves(before, here), difference_of_halves(after, here));
+    let before = select_ge_halves(same, from_before, before, here);
+    let after = select_ge_halves(same, from_after, after, here);
+    let furthest = select_ge_halves(from_before, from_after, from_before, from_after);
+    let sides = halved_sum_halves(before, after);
+    let mean = halved_sum_halves(sides, halved_sum_halves(sides, here));
     let value = select_ge_halves(same, furthest, mean, here);
     let slope = select_ge_halves(same, furthest, halved_difference_halves(after, before), sub_halves(after, before));
     (value, slope)
