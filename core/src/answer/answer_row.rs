@@ -10,7 +10,7 @@
 use core::ops::Range;
 
 use crate::answer::cell::HALF;
-use crate::answer::cell_row::{CellRow, SAME_SURFACES, blend, blend_pair, halves, is_same_surface, word};
+use crate::answer::cell_row::{CellRow, SAME_SURFACES, blend, is_same_surface};
 use crate::answer::evidence::Worth;
 use crate::answer::median::{MOST_DOUBTFUL, confidences, medians};
 use crate::answer::neighbourhood::{words, words_of};
@@ -18,6 +18,7 @@ use crate::answer::right_view::{RightView, Stretch, columns};
 use crate::front_end::camera_view::Row;
 use crate::lanes::answer_rows::{PixelPair, PlanePairs, WordAligned, lay_planes, write_moved};
 use crate::lanes::rows::window_sad;
+use crate::lanes::smoothing::{Values, blend_pair, halves, word};
 use crate::lanes::{ONES, add_halves, difference, min, select_ge, signed_max_halves, splat, splat_half, sub_halves};
 use crate::{Config, Disparity};
 
@@ -87,7 +88,7 @@ impl<const WORDS: usize> AnswerRow<WORDS> {
     #[inline(never)]
     fn lay_planes(&mut self, config: &Config, rows: [&CellRow<WORDS>; 3], median: &[u8; WORDS], cells: usize) {
         let count = cells.div_ceil(2);
-        let (mut value, mut slope) = (rows[1].value, rows[1].slope);
+        let Values { mut value, mut slope } = rows[1].values;
         // Some cells take the label of their neighbours.
         let labels = words(&rows[1].label, words_of(cells)).iter().zip(words(median, words_of(cells)));
         for (four, (labels, medians)) in labels.enumerate() {
@@ -95,7 +96,7 @@ impl<const WORDS: usize> AnswerRow<WORDS> {
                 for lane in 0..4 {
                     let cell = 4 * four + lane;
                     if medians[lane] != labels[lane] && cell < cells {
-                        (value[cell], slope[cell]) = outvoted(&rows[1].value[..cells], cell, medians[lane]);
+                        (value[cell], slope[cell]) = outvoted(&rows[1].values.value[..cells], cell, medians[lane]);
                     }
                 }
             }
@@ -103,7 +104,7 @@ impl<const WORDS: usize> AnswerRow<WORDS> {
         // What makes disparities of values that are divided by 16.
         let base = Disparity::from_px(config.min_disparity).into_bits() - HALF as i16 / 16;
         let planes = PlanePairs {
-            values: [&rows[0].value, &value, &rows[2].value].map(|row| &row.as_chunks::<2>().0[..count]),
+            values: [&rows[0].values.value, &value, &rows[2].values.value].map(|row| &row.as_chunks::<2>().0[..count]),
             slopes: &slope.as_chunks::<2>().0[..count],
             same: SAME_SURFACES,
             bases: [raised(7) as i16, -(raised(7) as i16)].map(|raised| pair_of((base + raised).into())),
@@ -190,7 +191,7 @@ impl<const WORDS: usize> AnswerRow<WORDS> {
                 // Of a label that the median put in the place of another only the whole disparity is known.
                 let row = sources.rows[1];
                 let value = if row.label[neighbour] == other {
-                    i32::from(row.value[neighbour])
+                    i32::from(row.values.value[neighbour])
                 } else {
                     (i32::from(other) << 8) + HALF.cast_signed()
                 };

@@ -154,7 +154,7 @@ pub(crate) mod tests {
                 quads.decide_all(20, penalties, row == 0, [a, b, c]);
                 words.agree_by_words(20, penalties, row == 0, [d, e, f]);
                 for (quads, words) in rows[..3].iter().zip(&rows[3..]) {
-                    assert_eq!(quads.value, words.value);
+                    assert_eq!(quads.values.value, words.values.value);
                     assert_eq!(quads.label, words.label);
                     assert_eq!(quads.merit, words.merit);
                 }

@@ -26,11 +26,11 @@
 )]
 
 use super::bits::{BitReader, Codes};
-use crate::answer::cell_row::word;
 use crate::lanes::cell_codes::{
     Bits, Code, ConfidenceCodes, Confidences, Disparities, DisparityCodes, Entry, Shape, put_confidences,
     put_disparities, words_of,
 };
+use crate::lanes::smoothing::word;
 use crate::lanes::sub_halves;
 use crate::{Disparity, DisparityRow};
 
