@@ -49,6 +49,12 @@ impl Ramp {
         self.rows_q16 == 0 && self.roll_q16 == 0 && self.scale_q16 == 0
     }
 
+    /// Whether the left view's rows lie between two of the right view anywhere.
+    #[must_use]
+    pub const fn is_between_rows(&self) -> bool {
+        self.rows_q16 & 0xffff != 0 || self.roll_q16 != 0 || self.scale_q16 != 0
+    }
+
     /// Rows of both views together that must wait for each other: the capacity of a [`Rectifier`](super::Rectifier).
     #[must_use]
     pub const fn rows_needed(&self, size: [u16; 2]) -> usize {
@@ -61,9 +67,11 @@ impl Ramp {
         let [least, most] = self.extremes_q16(size);
         // Whole rows upwards and downwards.
         let (up, down) = (-((-most) >> 16), least >> 16);
-        let waits = if up > 0 { up } else { 0 };
+        // Between rows the left view is softened by the rows above and below.
+        let beside = self.is_between_rows() as i32;
+        let waits = if up > beside { up } else { beside };
         let behind = if waits > down { waits - down } else { 0 };
-        [waits.unsigned_abs() as usize + 1, behind.unsigned_abs() as usize + 1]
+        [(waits + beside).unsigned_abs() as usize + 1, behind.unsigned_abs() as usize + 1]
     }
 
     /// Least and greatest displacement within views of that size, 1/65536 px.

@@ -26,8 +26,8 @@ pub struct RectifiedRow<'a> {
 
 /// Brings the rows of two cameras together: offset, roll and scale by a [`Ramp`] and whole columns, or full lens tables.
 ///
-/// By a ramp, rows are those of the left view, which is left as it is; the right view is interpolated between two rows, with
-/// one weight for four columns. Where a corner of a row lies outside of the right view, that view's first or
+/// By a ramp, rows are those of the left view; the right view is interpolated between two rows, with
+/// one weight for four columns, and the left one is softened alike. Where a corner of a row lies outside of the right view, that view's first or
 /// last row stands there; a row whose middle does is missed.
 ///
 /// By lens tables both views are interpolated between rows and columns, four columns at a time: each row comes out as soon as
@@ -50,7 +50,7 @@ pub struct RectifiedRow<'a> {
 ///     rectifier.push(pair, &mut |row| right.extend(row.pair.map(|pair| pair.right[0]))).unwrap();
 /// }
 /// rectifier.finish(&mut |row| right.extend(row.pair.map(|pair| pair.right[0])));
-/// assert_eq!(right, [15, 25]); // half a row below the last one there is nothing
+/// assert_eq!(right, [15, 25, 30]); // half a row below the last one that one stands
 /// # Ok::<(), haarline::ConfigError>(())
 /// ```
 #[derive(Debug, Clone)]
@@ -64,7 +64,7 @@ pub struct Rectifier<const ROWS: usize, const WIDTH: usize> {
     pub(super) left: Ring,
     pub(super) right: Ring,
     pub(super) rows: [[u8; WIDTH]; ROWS],
-    /// The rectified rows of the left and the right view; of a ramp that of the right one alone.
+    /// The rectified rows of the left and the right view; of a ramp those of the right and the left one.
     pub(super) out: [[u8; WIDTH]; 2],
     /// Rows of this frame that came or were missed.
     pub(super) came: u32,
@@ -117,7 +117,7 @@ impl<const ROWS: usize, const WIDTH: usize> Rectifier<ROWS, WIDTH> {
             }
             None => {
                 let rows = ramp.rows_of_views(size);
-                (rows, rows[0] - 1)
+                (rows, rows[0] - 1 - usize::from(ramp.is_between_rows()))
             }
         };
         if left + right > ROWS || left.max(right) > Ring::MAX_ROWS {
@@ -211,13 +211,46 @@ impl<const ROWS: usize, const WIDTH: usize> Rectifier<ROWS, WIDTH> {
     fn emit(&mut self, y: u32, sink: &mut dyn FnMut(RectifiedRow<'_>)) {
         let width = usize::from(self.size[0]);
         let middle = self.place_q16(0, y);
-        let nearest = self.in_view(floor(middle + (1 << (FRAC_BITS - 1))));
+        const HALF: i32 = 1 << (FRAC_BITS - 1);
+        let nearest = self.in_view(floor(middle + HALF)).or_else(|| self.in_view(ceil(middle - HALF)));
         let has_pair = self.left.has(y) && nearest.is_some() && self.interpolate(y);
-        let left = self.left.row(&self.rows, y, width);
+        let is_softened = has_pair && self.ramp.is_between_rows();
+        if is_softened {
+            self.soften(y);
+        }
+        let as_it_came = self.left.row(&self.rows, y, width);
         let raw = nearest.filter(|&nearest| self.left.has(y) && self.right.has(nearest));
-        let raw = raw.map(|nearest| ScanlinePair { left, right: self.right.row(&self.rows, nearest, width) });
-        let pair = has_pair.then(|| ScanlinePair { left, right: self.out[0].get(..width).unwrap_or(&[]) });
-        sink(RectifiedRow { y, pair, raw });
+        let raw =
+            raw.map(|nearest| ScanlinePair { left: as_it_came, right: self.right.row(&self.rows, nearest, width) });
+        let [right, softened] = self.out.each_ref().map(|out| out.get(..width).unwrap_or(&[]));
+        let left = if is_softened { softened } else { as_it_came };
+        sink(RectifiedRow { y, pair: has_pair.then_some(ScanlinePair { left, right }), raw });
+    }
+
+    /// Softens a row of the left view about as much as interpolation softens the right one: where the one is sharp and the
+    /// other is not, they do not match.
+    fn soften(&mut self, y: u32) {
+        let (width, edge) = (usize::from(self.size[0]), i32::from(self.size[0]) - 1);
+        let (rows, ring) = (&self.rows, &self.left);
+        let here = ring.row(rows, y, width);
+        let beside = |row: Option<u32>| {
+            let row = row.filter(|&row| row < self.came && ring.has(row));
+            row.map_or(here, |row| ring.row(rows, row, width))
+        };
+        let (above, below) = (beside(y.checked_sub(1)), beside(y.checked_add(1)));
+        let mut place = self.place_q16(3 - edge, y);
+        let step = self.ramp.roll_q16 * 4;
+        let fours = [above, here, below].map(|row| row.as_chunks::<RUN>());
+        let Some(out) = self.out[1].get_mut(..width) else { return };
+        let (runs, rest) = out.as_chunks_mut::<RUN>();
+        let beside = fours[0].0.iter().zip(fours[2].0);
+        for ((run, here), (above, below)) in runs.iter_mut().zip(fours[1].0).zip(beside) {
+            *run = soften_four(*above, *here, *below, softness(place));
+            place += step;
+        }
+        let [above, here, below] = fours.map(|(_, rest)| core::array::from_fn(|i| rest.get(i).copied().unwrap_or(0)));
+        let softened = soften_four(above, here, below, softness(place));
+        rest.iter_mut().zip(softened).for_each(|(pixel, softened)| *pixel = softened);
     }
 
     /// Where the right view has that row, 1/65536 px, at twice that distance from its middle column.
@@ -281,6 +314,25 @@ const fn mix_four(above: [u8; RUN], below: [u8; RUN], weight: u32) -> [u8; RUN] 
     // A lane is at most 255 * 256 + 128, below 2^16.
     let even = (above & LANES) * (256 - weight) + (below & LANES) * weight + HALF;
     let odd = (above >> 8 & LANES) * (256 - weight) + (below >> 8 & LANES) * weight + HALF;
+    (even >> 8 & LANES | odd & !LANES).to_le_bytes()
+}
+
+/// What the rows above and below each count, 1/256, where the right view is interpolated at this place: the product of both
+/// weights. (As soft as that interpolation would be a half; views that were interpolated before profit from more.)
+const fn softness(place: i32) -> u32 {
+    let weight = (place >> 8 & 255).unsigned_abs();
+    weight * (256 - weight) >> 8
+}
+
+/// Four pixels of three rows mixed, `weight` / 256 of the upper and of the lower one each, at most a quarter.
+const fn soften_four(above: [u8; RUN], here: [u8; RUN], below: [u8; RUN], weight: u32) -> [u8; RUN] {
+    const LANES: u32 = 0x00FF_00FF;
+    const HALF: u32 = 0x0080_0080;
+    let (above, here, below) = (u32::from_le_bytes(above), u32::from_le_bytes(here), u32::from_le_bytes(below));
+    let rest = 256 - 2 * weight;
+    // A lane is at most 255 * 256 + 128, below 2^16.
+    let even = ((above & LANES) + (below & LANES)) * weight + (here & LANES) * rest + HALF;
+    let odd = ((above >> 8 & LANES) + (below >> 8 & LANES)) * weight + (here >> 8 & LANES) * rest + HALF;
     (even >> 8 & LANES | odd & !LANES).to_le_bytes()
 }
 
@@ -375,9 +427,35 @@ mod tests {
         let half = Ramp { rows_q16: 3 << 15, ..Ramp::default() };
         let rows = play(half, 0, 12, &[5]);
         let missed: Vec<u32> = rows.iter().filter(|row| row.1.is_none()).map(|row| row.0).collect();
-        // Rows 3 and 4 need right row 5, row 5 has no left one; what the last two show lies outside.
-        assert_eq!(missed, [3, 4, 5, 10, 11]);
+        // Rows 3 and 4 need right row 5, row 5 has no left one; what the last one shows lies outside.
+        assert_eq!(missed, [3, 4, 5, 11]);
         assert_eq!(rows[0].2, Some(46), "the raw row in the middle");
+    }
+
+    #[test]
+    fn the_left_view_is_softened_as_the_right_one_is_interpolated() {
+        let lefts = |ramp: Ramp| {
+            let mut rectifier = Rectifier::<8, 48>::new([WIDTH, 5], ramp.into()).unwrap();
+            let mut lefts = Vec::new();
+            let mut note = |row: RectifiedRow<'_>| {
+                lefts.extend(row.pair.map(|pair| (row.raw.unwrap().left[0], pair.left[0], pair.left[39])));
+            };
+            for y in 0..5 {
+                let row = [if y == 2 { 228 } else { 100 }; WIDTH as usize];
+                rectifier.push(ScanlinePair { left: &row, right: &row }, &mut note).unwrap();
+            }
+            rectifier.finish(&mut note);
+            lefts
+        };
+        // A quarter of a step of 128 from either side.
+        let half = Ramp { rows_q16: 1 << 15, ..Ramp::default() };
+        let wanted = [(100, 100, 100), (100, 132, 132), (228, 164, 164), (100, 132, 132), (100, 100, 100)];
+        assert_eq!(lefts(half), wanted);
+        assert_eq!(lefts(Ramp::whole(0)), [100, 100, 228, 100, 100].map(|grey| (grey, grey, grey)));
+        // Turned about the middle: a whole row off at the border, hence sharp there.
+        let turned = Ramp { roll_q16: 65_536 / 20, ..Ramp::default() };
+        let row = lefts(turned)[2];
+        assert!(row.1 > 200 && row.2 > 200, "{row:?}");
     }
 
     #[test]
@@ -400,14 +478,14 @@ mod tests {
     #[test]
     fn what_does_not_fit_is_refused_with_the_rows_needed() {
         let new =
-            |ramp| Rectifier::<20, 48>::new([WIDTH, 30], Rectification::from(ramp)).map(|stage| stage.waiting_rows());
+            |ramp| Rectifier::<21, 48>::new([WIDTH, 30], Rectification::from(ramp)).map(|stage| stage.waiting_rows());
         assert_eq!(new(Ramp::whole(9)), Ok(9));
         assert_eq!(new(Ramp::whole(-18 + 8)), Ok(0));
         let steep = Ramp { rows_q16: 12 << 16, roll_q16: 6554, scale_q16: 0 };
         assert_eq!(new(steep), Ok(14));
         let wide = Ramp { scale_q16: 6554, ..steep };
         let needed = wide.rows_needed([WIDTH, 30]);
-        assert_eq!(new(wide), Err(ConfigError::RingRows { needed: u16::try_from(needed).unwrap(), rows: 20 }));
+        assert_eq!(new(wide), Err(ConfigError::RingRows { needed: u16::try_from(needed).unwrap(), rows: 21 }));
         assert_eq!(new(Ramp { roll_q16: 7000, ..steep }), Err(ConfigError::RowOffset { max_rows: 16 }));
     }
 }
