@@ -47,6 +47,19 @@ impl NoiseHistogram {
             total += weight;
         }
         self.total = total;
+        self.make_room();
+    }
+
+    fn add(&mut self, second: usize, weight: u16) {
+        if let Some(bin) = self.bins.get_mut(second.min(BINS - 1)) {
+            *bin += weight;
+            self.total += weight;
+        }
+    }
+
+    /// Halves the counts once they are many.
+    #[inline(always)]
+    fn make_room(&mut self) {
         if self.total >= FULL {
             self.total = 0;
             for bin in &mut self.bins {
@@ -70,6 +83,45 @@ impl NoiseHistogram {
             below += count;
         }
         0
+    }
+}
+
+/// The noise of both views as the cameras sent them: of rows that are interpolated before a method gets them, which takes much
+/// of it away that one row after the other shows, and less of what is matched.
+#[derive(Debug, Clone)]
+pub struct RawNoise {
+    histograms: [NoiseHistogram; 2],
+}
+
+impl RawNoise {
+    pub(crate) const fn new() -> Self {
+        Self { histograms: [const { NoiseHistogram::new() }; 2] }
+    }
+
+    pub(crate) fn clear(&mut self) {
+        self.histograms.iter_mut().for_each(NoiseHistogram::clear);
+    }
+
+    /// Takes every `stride`-th pixel of the middle one of three rows of either view into account.
+    pub(crate) fn sample(&mut self, views: [[&[u8]; 3]; 2], first: usize, stride: usize, weight: u16) {
+        for (histogram, rows) in self.histograms.iter_mut().zip(views) {
+            let width = rows.map(<[u8]>::len).into_iter().min().unwrap_or(0);
+            for x in (first.max(1)..width.saturating_sub(1)).step_by(stride) {
+                let across = rows.map(|row| match row.get(x - 1..=x + 1) {
+                    Some(&[before, here, after]) => i32::from(before) - 2 * i32::from(here) + i32::from(after),
+                    _ => 0,
+                });
+                let second = (across[0] - 2 * across[1] + across[2]).unsigned_abs() as usize;
+                histogram.add(second, weight);
+            }
+            histogram.make_room();
+        }
+    }
+
+    /// What a method wants to know of it, whose views get that gain.
+    pub(crate) fn noise(&self, gain: Gain) -> Noise {
+        let [left, right] = &self.histograms;
+        Noise::of(left, right, gain)
     }
 }
 

@@ -4,7 +4,7 @@
 use crate::answer::linkage::{Links, PointRows};
 use crate::front_end::camera_view::{CameraView, Row};
 use crate::front_end::exposure::{Exposure, Gain};
-use crate::front_end::noise::{Noise, NoiseHistogram};
+use crate::front_end::noise::{Noise, NoiseHistogram, RawNoise};
 use crate::lanes::rows::Clips;
 use crate::method::capacity::check_capacity;
 use crate::method::missing_rows::MissingRows;
@@ -75,6 +75,8 @@ pub struct Sparse<M, const ROWS: usize, const BLOCKS: usize, C = Untimed> {
     views: [SparseView<ROWS, BLOCKS>; 2],
     exposure: Exposure,
     noise: Noise,
+    /// Whether it is that of rows before they were interpolated.
+    has_raw_noise: bool,
     points: PointRows<BLOCKS>,
     /// The pair of rows that goes out.
     disparity: [[Disparity; 4]; BLOCKS],
@@ -100,6 +102,7 @@ impl<M: Points<ROWS, BLOCKS>, const ROWS: usize, const BLOCKS: usize, C: StageCl
             views: [SparseView::new(), SparseView::new()],
             exposure: Exposure::new(),
             noise: Noise::default(),
+            has_raw_noise: false,
             points: PointRows::new(),
             disparity: [[Disparity::UNKNOWN; 4]; BLOCKS],
             confidence: [[0; 4]; BLOCKS],
@@ -174,7 +177,7 @@ impl<M: Points<ROWS, BLOCKS>, const ROWS: usize, const BLOCKS: usize, C: StageCl
 
     /// Takes the noise of some pixels of the row that came before the newest.
     fn measure_noise(&mut self) {
-        let Some(sampling) = Sampling::of(self.rows) else { return };
+        let Some(sampling) = Sampling::of(self.rows).filter(|_| !self.has_raw_noise) else { return };
         if self.rows >= 2 && !self.missing.has_any_of_three(self.rows) {
             let y = i64::from(self.rows) - 1;
             for view in &mut self.views {
@@ -202,7 +205,7 @@ impl<M: Points<ROWS, BLOCKS>, const ROWS: usize, const BLOCKS: usize, C: StageCl
             view.noise.clear();
         }
         self.exposure = Exposure::new();
-        self.noise = Noise::default();
+        (self.noise, self.has_raw_noise) = (Noise::default(), false);
         self.points.clear();
         (self.rows, self.smoothed, self.measured) = (0, 0, 0);
         (self.written, self.delivered, self.missing) = (0, 0, MissingRows::default());
@@ -224,6 +227,11 @@ impl<M: Points<ROWS, BLOCKS>, const ROWS: usize, const BLOCKS: usize, C: StageCl
         self.rows += 1;
         self.advance(sink);
         Ok(())
+    }
+
+    fn take_noise(&mut self, noise: &RawNoise) {
+        self.has_raw_noise = true;
+        self.noise = noise.noise(self.exposure.gain());
     }
 
     fn miss(&mut self, sink: &mut dyn FnMut(DisparityRow<'_>)) {

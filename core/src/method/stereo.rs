@@ -1,6 +1,7 @@
 //! The one interface of all stereo methods: a row in, a row out.
 
 use crate::frame_figures::FrameFigures;
+use crate::front_end::noise::RawNoise;
 use crate::{Config, DisparityRow, RowError, ScanlinePair};
 
 /// A streaming stereo method.
@@ -28,6 +29,11 @@ pub trait StereoMethod {
     /// Ends the frame: delivers what is still inside, and begins the next one.
     fn finish(&mut self, sink: &mut dyn FnMut(DisparityRow<'_>));
 
+    /// Takes the noise of the rows as they came from the cameras, up to the newest: for the rest of the frame it holds in the
+    /// place of that of the rows that are pushed, since these were interpolated.
+    #[doc(hidden)]
+    fn take_noise(&mut self, _: &RawNoise) {}
+
     /// What the last frame that was finished is worth as a whole, if the method tells that.
     fn figures(&self) -> Option<FrameFigures> {
         None
@@ -53,6 +59,10 @@ impl<M: StereoMethod + ?Sized> StereoMethod for &mut M {
 
     fn finish(&mut self, sink: &mut dyn FnMut(DisparityRow<'_>)) {
         (**self).finish(sink);
+    }
+
+    fn take_noise(&mut self, noise: &RawNoise) {
+        (**self).take_noise(noise);
     }
 
     fn figures(&self) -> Option<FrameFigures> {

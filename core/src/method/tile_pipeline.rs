@@ -11,7 +11,7 @@ use crate::answer::evidence::{Evidence, Floor, Worth};
 use crate::answer::repetition::Repetition;
 use crate::front_end::camera_view::{CameraView, FeatureRows, TILE_ROWS, words_for};
 use crate::front_end::exposure::{Exposure, Gain};
-use crate::front_end::noise::{Noise, NoiseHistogram, SmoothingLevel};
+use crate::front_end::noise::{Noise, NoiseHistogram, RawNoise, SmoothingLevel};
 use crate::lanes::answer_rows::WordAligned;
 use crate::lanes::rows::Clips;
 use crate::lanes::trials::Trials;
@@ -58,6 +58,8 @@ pub struct Tiled<M: Matching, const BLOCKS: usize, C = Untimed> {
     exposure: Exposure,
     histograms: [NoiseHistogram; 2],
     noise: Noise,
+    /// Whether the noise is that of rows before they were interpolated.
+    has_raw_noise: bool,
     seeds: TileSeeds<BLOCKS>,
     paths: M::Paths<BLOCKS>,
     cells: M::Cells<BLOCKS>,
@@ -123,6 +125,7 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> Tiled<M, BLOCKS, C> {
             exposure: Exposure::new(),
             histograms: [NoiseHistogram::new(), NoiseHistogram::new()],
             noise: Noise::default(),
+            has_raw_noise: false,
             seeds: TileSeeds::new(),
             paths: M::Paths::EMPTY,
             cells: M::Cells::EMPTY,
@@ -419,7 +422,7 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> Tiled<M, BLOCKS, C> {
 
     /// Takes the noise of some pixels of the row that came before the newest.
     fn measure_noise(&mut self, width: usize) {
-        let Some(sampling) = Sampling::of(self.rows) else { return };
+        let Some(sampling) = Sampling::of(self.rows).filter(|_| !self.has_raw_noise) else { return };
         if self.rows >= 2 && !self.missing.has_any_of_three(self.rows) {
             let y = i64::from(self.rows) - 1;
             for (view, histogram) in [&self.left, &self.right].into_iter().zip(&mut self.histograms) {
@@ -429,10 +432,14 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> Tiled<M, BLOCKS, C> {
         }
         if self.rows < 16 || self.rows.is_multiple_of(8) {
             let [left, right] = &self.histograms;
-            self.noise = Noise::of(left, right, Gain::default());
-            if !self.parts().smoothing {
-                self.noise.level = SmoothingLevel::Off;
-            }
+            self.set_noise(Noise::of(left, right, Gain::default()));
+        }
+    }
+
+    fn set_noise(&mut self, noise: Noise) {
+        self.noise = noise;
+        if !self.parts().smoothing {
+            self.noise.level = SmoothingLevel::Off;
         }
     }
 }
@@ -495,7 +502,7 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> StereoMethod for Tiled<M, 
         self.right.clear();
         self.exposure = Exposure::new();
         self.histograms = [NoiseHistogram::new(), NoiseHistogram::new()];
-        self.noise = Noise::default();
+        (self.noise, self.has_raw_noise) = (Noise::default(), false);
         self.sums = FrameSums::default();
         self.repetition = Repetition::NONE;
         self.evidence.clear();
@@ -536,6 +543,11 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> StereoMethod for Tiled<M, 
         }
         self.figures = self.sums.figures(self.exposure.is_dark());
         self.start();
+    }
+
+    fn take_noise(&mut self, noise: &RawNoise) {
+        self.has_raw_noise = true;
+        self.set_noise(noise.noise(self.exposure.gain()));
     }
 
     fn figures(&self) -> Option<FrameFigures> {

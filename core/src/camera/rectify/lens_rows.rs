@@ -18,7 +18,8 @@ pub(super) struct Schedule {
 impl Schedule {
     pub(super) fn of(lenses: &[LensTable; 2]) -> Self {
         let height = u32::from(lenses[0].size()[1]);
-        let mut schedule = Self { rows: [1; 2], waits: 0 };
+        // Noise is measured on three rows.
+        let mut schedule = Self { rows: [3; 2], waits: 0 };
         let mut ready = 0;
         let mut reaches = lenses.each_ref().map(|table| Reach::start(table, |_, _| ()));
         for y in 0..height {

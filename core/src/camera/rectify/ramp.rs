@@ -67,11 +67,12 @@ impl Ramp {
         let [least, most] = self.extremes_q16(size);
         // Whole rows upwards and downwards.
         let (up, down) = (-((-most) >> 16), least >> 16);
-        // Between rows the left view is softened by the rows above and below.
+        // Between rows the left view is softened by the rows above and below, and noise is measured on three of either view.
         let beside = self.is_between_rows() as i32;
         let waits = if up > beside { up } else { beside };
         let behind = if waits > down { waits - down } else { 0 };
-        [(waits + beside).unsigned_abs() as usize + 1, behind.unsigned_abs() as usize + 1]
+        let right = behind.unsigned_abs() as usize + 1;
+        [(waits + beside).unsigned_abs() as usize + 1, if beside > 0 && right < 3 { 3 } else { right }]
     }
 
     /// Least and greatest displacement within views of that size, 1/65536 px.

@@ -2,6 +2,8 @@
 
 use super::{Offset, Rectification, Rectifier};
 use crate::frame_figures::{FrameFigures, Input};
+use crate::front_end::noise::RawNoise;
+use crate::method::tile_pipeline::Sampling;
 use crate::row_watch::RowWatch;
 use crate::{
     Config, ConfigError, Correction, Disparity, DisparityRow, RowError, ScanlinePair, Stage, StageClock, StereoMethod,
@@ -21,6 +23,7 @@ pub struct Rectified<M, const ROWS: usize, const WIDTH: usize, C = Untimed> {
     clock: C,
     /// `None` where nothing is displaced.
     rectifier: Option<Rectifier<ROWS, WIDTH>>,
+    noise: RawNoise,
     /// Whether the views differ in a row of this frame, before they are rectified.
     differ: bool,
     /// Whether those of the last frame were the same image.
@@ -62,7 +65,7 @@ impl<M: StereoMethod, const ROWS: usize, const WIDTH: usize, C: StageClock> Rect
         let correction = rectification.correction.map(|correction| correction.of_size(size));
         let rectifier = if rectification.is_straight() { None } else { Some(Rectifier::new(size, rectification)?) };
         let after = After { watch: RowWatch::new(size), correction, corrected: [Disparity::UNKNOWN; WIDTH] };
-        Ok(Self { method, clock, rectifier, differ: false, were_same: false, after })
+        Ok(Self { method, clock, rectifier, noise: RawNoise::new(), differ: false, were_same: false, after })
     }
 
     /// The method behind.
@@ -125,16 +128,22 @@ impl<M: StereoMethod, const ROWS: usize, const WIDTH: usize, C: StageClock> Ster
 
     fn start(&mut self) {
         self.rectifier.iter_mut().for_each(Rectifier::start);
+        self.noise.clear();
         self.differ = false;
         self.after.watch.start();
         self.method.start();
     }
 
     fn push(&mut self, pair: ScanlinePair<'_>, sink: &mut dyn FnMut(DisparityRow<'_>)) -> Result<(), RowError> {
-        let Self { method, clock, rectifier, differ, after, .. } = self;
+        let Self { method, clock, rectifier, noise, differ, after, .. } = self;
         let Some(rectifier) = rectifier else { return hand_on(method, after, clock, Some(pair), sink) };
         clock.enter(Stage::Rectify);
         *differ = *differ || pair.left != pair.right;
+        // Noise is that of the rows as they came.
+        if let Some((rows, sampling)) = rectifier.newest_three().zip(Sampling::of(rectifier.came())) {
+            noise.sample(rows, sampling.first, sampling.stride, sampling.weight);
+            method.take_noise(noise);
+        }
         let mut outcome = Ok(());
         rectifier.push(pair, &mut |row| outcome = hand_on(method, after, clock, row.pair, sink))?;
         outcome
@@ -153,7 +162,8 @@ impl<M: StereoMethod, const ROWS: usize, const WIDTH: usize, C: StageClock> Ster
     }
 
     fn finish(&mut self, sink: &mut dyn FnMut(DisparityRow<'_>)) {
-        let Self { method, clock, rectifier, differ, were_same, after } = self;
+        let Self { method, clock, rectifier, noise, differ, were_same, after } = self;
+        noise.clear();
         if let Some(rectifier) = rectifier {
             *were_same = !core::mem::take(differ);
             clock.enter(Stage::Rectify);

@@ -184,6 +184,23 @@ impl<const ROWS: usize, const WIDTH: usize> Rectifier<ROWS, WIDTH> {
         self.advance(sink);
     }
 
+    /// The three newest rows of either view as they came, if they are there and what comes out is interpolated.
+    pub(super) fn newest_three(&self) -> Option<[[&[u8]; 3]; 2]> {
+        if self.lenses.is_none() && !self.ramp.is_between_rows() {
+            return None;
+        }
+        let newest = [self.came.checked_sub(3)?, self.came.checked_sub(2)?, self.came.checked_sub(1)?];
+        let views = [&self.left, &self.right];
+        let are_there = views.into_iter().all(|ring| newest.into_iter().all(|y| ring.has(y)));
+        let width = self.size[0].into();
+        are_there.then(|| views.map(|ring| newest.map(|y| ring.row(&self.rows, y, width))))
+    }
+
+    /// Rows of this frame that came or were missed.
+    pub(super) const fn came(&self) -> u32 {
+        self.came
+    }
+
     /// Ends the frame: the rows that wait come out.
     pub fn finish(&mut self, sink: &mut dyn FnMut(RectifiedRow<'_>)) {
         if self.lenses.is_some() {
