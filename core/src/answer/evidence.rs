@@ -43,8 +43,8 @@ pub(crate) struct Floor {
     pub(crate) blank: u32,
     /// Whether the noise, 26 grey levels and more after the gain, lets hardly anything stand out.
     pub(crate) is_drowned: bool,
-    /// Whether smoothing reaches from a cell into those above and below.
-    pub(crate) is_spread: bool,
+    /// Whether noise is so great that smoothing reaches from a cell into those above and below.
+    pub(crate) is_noisy: bool,
 }
 
 impl Floor {
@@ -73,7 +73,7 @@ impl Floor {
         };
         let blank = (floor * percent / 100).clamp(1, 255);
         let is_drowned = noise.level == SmoothingLevel::Strong && floor > 99;
-        Self { zero, noise: floor, sure, blank, is_drowned, is_spread: is_noisy }
+        Self { zero, noise: floor, sure, blank, is_drowned, is_noisy }
     }
 }
 
@@ -222,7 +222,8 @@ impl<const WORDS: usize> Evidence<WORDS> {
         let unique = splat(if self.is_repeated { UNIQUE_IN_REPETITION } else { UNIQUE });
         let blank_to = splat(floor.blank);
         // A 16th of the strongest.
-        let sixteenths = if floor.is_spread { splat(0x0f) } else { 0 };
+        let noisy = if floor.is_noisy { u32::MAX } else { 0 };
+        let sixteenths = splat(0x0f) & noisy;
         let down = |i: usize| {
             let [fit, beside, like, strength] =
                 planes.each_ref().map(|rows| rows.map(|row| u32::from_le_bytes(row[i])));
@@ -240,14 +241,15 @@ impl<const WORDS: usize> Evidence<WORDS> {
             let (weakest, strongest) = (min(weakest, b), max(strongest, b));
             let quarter = halved_sum(halved_sum(strongest, 0), 0);
             let fringe = fringe | select_ge(weakest, max(quarter, ONES), 0, splat(FRINGE));
-            blanks[i] = select_ge(blank_to, strength, u32::MAX, 0).to_le_bytes();
+            let blank = select_ge(blank_to, strength, u32::MAX, 0);
+            blanks[i] = blank.to_le_bytes();
             // 11/16 of the strength.
             let half = halved_sum(strength, 0);
             let most_fit = halved_sum(strength, halved_sum(half, halved_sum(half, 0)));
             let (fit, like) = (mean(fits), mean(likes));
             let bonus = min(sub(min(mean(besides), like), fit), splat(MOST_BONUS)) | fringe;
             let bonus = select_ge(sub(like, fit), unique, bonus, splat(NEVER_SURE));
-            bonuses[i] = select_ge(most_fit, fit, bonus, splat(NEVER_SURE)).to_le_bytes();
+            bonuses[i] = (select_ge(most_fit, fit, bonus, splat(NEVER_SURE)) | blank & noisy).to_le_bytes();
         });
     }
 }
