@@ -15,6 +15,7 @@
 //! J. Woodfill, Non-parametric Local Transforms for Computing Visual Correspondence, ECCV 1994.
 
 mod census;
+mod claim;
 mod median;
 mod search;
 mod winner;
@@ -25,6 +26,7 @@ use haarline::{Untimed, count};
 use crate::simd::paths::{Column, Merits, floor, step_from_above, step_from_left, step_from_right};
 pub use crate::simd::paths::{P1, P2};
 use crate::simd::splat;
+use claim::Claim;
 use search::Search;
 pub use search::words_for;
 
@@ -38,13 +40,17 @@ const REACH: u32 = census::REACH;
 const MATCHED_ROWS: usize = 3;
 /// Confidence that a unit of cost takes away.
 const DISAGREEMENT: u32 = 5;
+/// What the confidence of a pixel is divided by whose column of the right view fits another surface better: a guess is left.
+const ANOTHERS: u8 = 16;
 
 /// Semi-global matching for rows of up to `WIDTH` px and up to `4 * WORDS` disparities.
 ///
-/// It takes `WIDTH * (12 * WORDS + 43)` bytes and less than 2 KB more: 59 KB at 320 px and 48 disparities.
+/// It takes `WIDTH * (12 * WORDS + 45)` bytes and less than 2 KB more: 60 KB at 320 px and 48 disparities.
 ///
 /// Every pixel is answered, also where the right view does not show it. The confidence is 255 where the three
-/// paths agree on the winner, and 5 less for each unit of cost by which they prefer others, 35 at least.
+/// paths agree on the winner, and 5 less for each unit of cost by which they prefer others, 35 at least. It is a 16th of
+/// that, a guess, where the left-right check fails: where the column of the right view that the winner leads to does not
+/// exist, or a winner of more confidence, more than a pixel away, leads there, too.
 ///
 /// # Examples
 /// ```
@@ -70,6 +76,8 @@ pub struct Sgm<const WIDTH: usize, const WORDS: usize, C = Untimed> {
     /// By column, the floor of the path from above, and the greatest merit of that from the right, in all bytes.
     floors: [u32; WIDTH],
     mosts: [u32; WIDTH],
+    /// By column of the right view, the best winner that leads there.
+    claims: [Claim; WIDTH],
     /// Where the path from the right begins.
     edge: Column<WORDS>,
     /// The path from the left.
@@ -126,6 +134,7 @@ impl<const WIDTH: usize, const WORDS: usize, C: StageClock> Sgm<WIDTH, WORDS, C>
             columns: [Column::EMPTY; WIDTH],
             floors: [0; WIDTH],
             mosts: [0; WIDTH],
+            claims: [Claim::NONE; WIDTH],
             edge: Column::EMPTY,
             left: Merits::EMPTY,
             disparities: [[0; WIDTH]; MATCHED_ROWS],
@@ -167,6 +176,7 @@ impl<const WIDTH: usize, const WORDS: usize, C: StageClock> Sgm<WIDTH, WORDS, C>
         count::evaluations(width * self.search.labels);
         self.leftward(width);
         self.rightward(width, y);
+        self.check(width, y);
     }
 
     /// Compares all pixels of the row, and follows the path from the right.
@@ -190,9 +200,10 @@ impl<const WIDTH: usize, const WORDS: usize, C: StageClock> Sgm<WIDTH, WORDS, C>
         self.left.begin(words);
         let mut from_left = splat(P2);
         let row = y as usize % MATCHED_ROWS;
+        self.claims[..width].fill(Claim::NONE);
         let answers = self.disparities[row].iter_mut().zip(&mut self.confidences[row]);
         let columns = self.columns[..width].iter_mut().zip(&mut self.floors).zip(&self.mosts).zip(answers);
-        for (((column, kept), &from_right), (disparity, confidence)) in columns {
+        for (x, (((column, kept), &from_right), (disparity, confidence))) in columns.enumerate() {
             from_left = step_from_left(&mut self.left, column, words, floor(from_left));
             let (from_above, best) = step_from_above(column, words, *kept);
             *kept = floor(from_above);
@@ -201,6 +212,26 @@ impl<const WIDTH: usize, const WORDS: usize, C: StageClock> Sgm<WIDTH, WORDS, C>
             let bits = ((greatest - label.cast_signed()) << Disparity::FRAC_BITS) + refined;
             *disparity = truncated(bits);
             *confidence = (255 - DISAGREEMENT * disagreement).to_le_bytes()[0];
+            let whole = whole(*disparity);
+            if let Some(claim) = claim_at(&mut self.claims[..width], x, whole) {
+                claim.raise(*confidence, (greatest - whole).cast_unsigned());
+            }
+        }
+    }
+
+    /// The left-right check of row `y`: the winners of the right view's columns are the best of those that lead there.
+    fn check(&mut self, width: usize, y: u32) {
+        let row = y as usize % MATCHED_ROWS;
+        let greatest = self.search.greatest;
+        let claims = &mut self.claims[..width];
+        let answers = self.disparities[row][..width].iter().zip(&mut self.confidences[row]);
+        for (x, (&bits, confidence)) in answers.enumerate() {
+            let whole = whole(bits);
+            let claim = claim_at(claims, x, whole);
+            let is_mutual = claim.is_some_and(|claim| claim.is_near((greatest - whole).cast_unsigned()));
+            if !is_mutual {
+                *confidence /= ANOTHERS;
+            }
         }
     }
 
@@ -220,6 +251,18 @@ impl<const WIDTH: usize, const WORDS: usize, C: StageClock> Sgm<WIDTH, WORDS, C>
         self.clock.enter(Stage::Output);
         sink(DisparityRow { y, disparity, confidence });
     }
+}
+
+/// A disparity, px, of its bits, rounded.
+#[inline(always)]
+const fn whole(bits: i16) -> isize {
+    (bits as isize + (1 << (Disparity::FRAC_BITS - 1))) >> Disparity::FRAC_BITS
+}
+
+/// That of the right view's column in which the left view's column `x` is seen at a disparity.
+#[inline(always)]
+fn claim_at(claims: &mut [Claim], x: usize, disparity: isize) -> Option<&mut Claim> {
+    claims.get_mut(usize::try_from(x.cast_signed() - disparity).ok()?)
 }
 
 /// Bits of a disparity: -128 * 16 - 8 to 383 * 16 + 8.

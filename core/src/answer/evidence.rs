@@ -4,11 +4,12 @@
 //! (the next bar of a fence), nor of walls that fit everywhere. So an answer gains merit by how much better it fits than the
 //! left row fits itself 4 and 8 px beside and at the distance of like contours ([`Repetition`]). It can be sure only if
 //!
-//! - it is *unique*: it fits better than what lies at that distance, and clearly so where the row repeats itself;
+//! - it is *unique*: it fits better than what lies at that distance, and clearly so where the row repeats itself; there in the
+//!   right view, too;
 //! - it is *seen*: the views differ less than the left one varies, and the features around are stronger than noise;
-//! - it is no *fringe*: not at the side of a contour where hardly anything else is to be seen. The contour's surface is
-//!   right there, where it ends is not.
-#![allow(clippy::cast_possible_truncation, reason = "bytes are cut out")]
+//! - it is no *fringe*: not at the side of a contour where hardly anything else is to be seen; nor, where smoothing in noise
+//!   reaches so far, above or below what ends on a blank. The contour's surface is right there, where it ends is not.
+#![allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "bytes are cut out, labels are below 256")]
 
 use crate::Config;
 use crate::answer::neighbourhood::{along, fill_up, mean, words, words_mut, words_of};
@@ -42,6 +43,8 @@ pub(crate) struct Floor {
     pub(crate) blank: u32,
     /// Whether the noise, 26 grey levels and more after the gain, lets hardly anything stand out.
     pub(crate) is_drowned: bool,
+    /// Whether noise is so great that smoothing reaches from a cell into those above and below.
+    pub(crate) is_noisy: bool,
 }
 
 impl Floor {
@@ -54,11 +57,11 @@ impl Floor {
         let is_noisy = noise.level >= SmoothingLevel::Medium;
         let floor = if is_noisy { floor / 2 } else { floor };
         let sure = match (noise.level, agreement) {
-            (SmoothingLevel::Off, true) => 121,
+            (SmoothingLevel::Off, true) => 120,
             (SmoothingLevel::Light, true) => 134,
-            (SmoothingLevel::Medium, true) => 149 + 7 * floor / 20,
+            (SmoothingLevel::Medium, true) => 148 + 7 * floor / 20,
             (SmoothingLevel::Strong, true) => 180,
-            (SmoothingLevel::Off, false) => 111,
+            (SmoothingLevel::Off, false) => 110,
             (SmoothingLevel::Light, false) => 113,
             (SmoothingLevel::Medium, false) => 106,
             (SmoothingLevel::Strong, false) => 103,
@@ -70,7 +73,7 @@ impl Floor {
         };
         let blank = (floor * percent / 100).clamp(1, 255);
         let is_drowned = noise.level == SmoothingLevel::Strong && floor > 99;
-        Self { zero, noise: floor, sure, blank, is_drowned }
+        Self { zero, noise: floor, sure, blank, is_drowned, is_noisy }
     }
 }
 
@@ -95,10 +98,35 @@ struct Sums<const WORDS: usize> {
     fit: [u8; WORDS],
     /// The least absolute differences of the left row against itself 4 and 8 px to the left and to the right.
     beside: [u8; WORDS],
-    /// The same at the distance of like contours.
+    /// The same at the distance of like contours, and where the row repeats itself those of the answer's rivals.
     like: [u8; WORDS],
     /// Magnitudes of the left row's features.
     strength: [u8; WORDS],
+}
+
+impl<const WORDS: usize> Sums<WORDS> {
+    /// Where a row repeats itself, asks the right view, too: of a bar beside something nearer the left view may not show the
+    /// next one. What the right view shows nearer or farther by the distance of like contours, within the search, looks like
+    /// the answer as well as it fits.
+    #[inline(never)]
+    fn doubt_rivals(&mut self, config: &Config, windows: &CellWindows<'_, WORDS>, sums: &mut CellSums<WORDS>) {
+        let distance = windows.distance.cast_signed();
+        for step in [-distance, distance] {
+            let mut rivals = [0; WORDS];
+            for (cell, (rival, &label)) in rivals.iter_mut().zip(windows.labels).enumerate() {
+                let other = i32::from(label) + step;
+                let is_searched = (0..i32::from(config.num_disparities)).contains(&other);
+                // Where there is none it is the answer itself.
+                *rival = if is_searched && windows.is_inside(cell, other) { other as u8 } else { label };
+            }
+            let labels = &rivals[..windows.labels.len()];
+            CellWindows { labels, ..*windows }.sum_fits(sums);
+            let cells = self.like.iter_mut().zip(&sums.fit).zip(labels.iter().zip(windows.labels));
+            for ((like, &fit), (rival, label)) in cells {
+                *like = if rival == label { *like } else { fit.min(*like) };
+            }
+        }
+    }
 }
 
 /// The evidence of the newest three cell rows of those that are measured, every second one.
@@ -170,6 +198,9 @@ impl<const WORDS: usize> Evidence<WORDS> {
         for (i, like) in words_mut(&mut row.like, count).iter_mut().enumerate() {
             *like = least_with_before(&sums.like, 4 * i, steps).to_le_bytes();
         }
+        if repetition.is_strong {
+            row.doubt_rivals(config, &windows, &mut sums);
+        }
         for plane in [&mut row.fit, &mut row.strength, &mut row.beside, &mut row.like] {
             fill_up(plane, labels.len());
         }
@@ -190,29 +221,35 @@ impl<const WORDS: usize> Evidence<WORDS> {
         ];
         let unique = splat(if self.is_repeated { UNIQUE_IN_REPETITION } else { UNIQUE });
         let blank_to = splat(floor.blank);
+        // A 16th of the strongest.
+        let noisy = if floor.is_noisy { u32::MAX } else { 0 };
+        let sixteenths = splat(0x0f) & noisy;
         let down = |i: usize| {
             let [fit, beside, like, strength] =
                 planes.each_ref().map(|rows| rows.map(|row| u32::from_le_bytes(row[i])));
             // What is strong above or below only is not seen here.
             let [above, here, below] = strength;
             let strength = min(halved_sum(above, here), halved_sum(below, here));
-            [mean(fit), mean(beside), mean(like), strength]
+            let least = max(max(above, below), here) >> 4 & sixteenths;
+            let fringe = select_ge(min(above, below), least, 0, splat(FRINGE));
+            [mean(fit), mean(beside), mean(like), strength, fringe]
         };
-        along(count, down, |i, [fits, besides, likes, strengths]| {
+        along(count, down, |i, [fits, besides, likes, strengths, [_, fringe, _]]| {
             let strength = mean(strengths);
             let [a, b, c] = strengths;
             let (weakest, strongest) = min_max(a, c);
             let (weakest, strongest) = (min(weakest, b), max(strongest, b));
             let quarter = halved_sum(halved_sum(strongest, 0), 0);
-            let fringe = select_ge(weakest, max(quarter, ONES), 0, splat(FRINGE));
-            blanks[i] = select_ge(blank_to, strength, u32::MAX, 0).to_le_bytes();
+            let fringe = fringe | select_ge(weakest, max(quarter, ONES), 0, splat(FRINGE));
+            let blank = select_ge(blank_to, strength, u32::MAX, 0);
+            blanks[i] = blank.to_le_bytes();
             // 11/16 of the strength.
             let half = halved_sum(strength, 0);
             let most_fit = halved_sum(strength, halved_sum(half, halved_sum(half, 0)));
             let (fit, like) = (mean(fits), mean(likes));
             let bonus = min(sub(min(mean(besides), like), fit), splat(MOST_BONUS)) | fringe;
             let bonus = select_ge(sub(like, fit), unique, bonus, splat(NEVER_SURE));
-            bonuses[i] = select_ge(most_fit, fit, bonus, splat(NEVER_SURE)).to_le_bytes();
+            bonuses[i] = (select_ge(most_fit, fit, bonus, splat(NEVER_SURE)) | blank & noisy).to_le_bytes();
         });
     }
 }

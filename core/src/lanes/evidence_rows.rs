@@ -58,19 +58,42 @@ impl<const WORDS: usize> CellWindows<'_, WORDS> {
         // So many cells whose window at the distance lies within the row.
         let likes = (cells + 1).saturating_sub(distance.div_ceil(4)).min(cells);
         #[cfg(haarline_dsp)]
-        let (self_done, fit_done) = {
-            let (threes, pairs) = (likes.min(cells - 1) / 3, cells / 2);
+        let done = {
+            let threes = likes.min(cells - 1) / 3;
             // SAFETY: before the last cell both words after a cell's are within the row, and so is the window at the
             // distance within `likes`.
             unsafe { super::self_sums_by_threes(self.left, distance, self.zero, sums, threes) };
-            // SAFETY: there are `cells` labels and the words of so many cells.
-            unsafe { super::fit_sums_by_pairs(self, sums, pairs) };
-            (3 * threes, 2 * pairs)
+            3 * threes
         };
         #[cfg(not(haarline_dsp))]
-        let (self_done, fit_done) = (0, 0);
-        self.sum_selves(self_done..cells, likes, sums);
-        self.sum_fit(fit_done..cells, sums);
+        let done = 0;
+        self.sum_selves(done..cells, likes, sums);
+        self.sum_fits(sums);
+    }
+
+    /// Sums up what the cells differ by at their labels.
+    ///
+    /// # Panics
+    /// If the rows have not two words more than there are cells.
+    pub(crate) fn sum_fits(&self, sums: &mut CellSums<WORDS>) {
+        let cells = self.labels.len();
+        assert!(cells >= 1 && cells + 2 <= WORDS);
+        #[cfg(haarline_dsp)]
+        let done = {
+            let pairs = cells / 2;
+            // SAFETY: there are `cells` labels and the words of so many cells.
+            unsafe { super::fit_sums_by_pairs(self, sums, pairs) };
+            2 * pairs
+        };
+        #[cfg(not(haarline_dsp))]
+        let done = 0;
+        self.sum_fit(done..cells, sums);
+    }
+
+    /// Whether the right row and its margins have the window of a cell at a label.
+    pub(crate) const fn is_inside(&self, cell: usize, label: i32) -> bool {
+        let byte = self.origin + 4 * cell as i32 - label;
+        0 <= byte && byte <= self.last_byte().cast_signed()
     }
 
     /// What the left row shows, and what in it looks like the cells.

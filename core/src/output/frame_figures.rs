@@ -15,8 +15,8 @@ use crate::lanes::{add_halves, sad_add, select_ge_halves, splat_half};
 /// mismatch alone, 217 and 224, the two lie closer: a wrong pair that matches by accident is not sure of it.
 pub const MOST_MISMATCH: u16 = 206;
 /// With a smaller share of windows in which there is more than three times what noise makes, per mille, nothing was seen.
-/// Recorded scenes have 120 at least, noise alone 26 at most and mostly none.
-pub const LEAST_SEEN: u32 = 30;
+/// Recorded scenes have 110 at least, noise alone less than 40 and mostly none.
+pub const LEAST_SEEN: u32 = 60;
 /// So much of the share of sure answers is taken from the mismatch.
 const SURE_PART: u16 = 10;
 /// Fewer windows than this say nothing of a frame.

@@ -2,6 +2,12 @@
 
 use haarline::Config;
 
+/// Confidence of a winner with an equal: a guess, as those of the core's methods below 16.
+const GUESS: u8 = 12;
+/// Confidence of a winner without any rival. What decides is a margin alone, which says nothing of repetition and of what is
+/// hidden: so nothing is sure, which would be 64 and more, or close to it.
+const MOST_DOUBTFUL: u8 = 55;
+
 /// The least cost of a pixel, and the least of the costs that speak against it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Winner {
@@ -55,13 +61,13 @@ impl Winner {
         self.rival.is_none_or(|rival| rival > self.cost + self.cost * u32::from(ratio) / 100)
     }
 
-    /// Least cost's distance from its rival, in 255ths of the rival's cost, rounded down: 0 for an
-    /// equal rival, 255 for a perfect match without an equal and for a winner without rivals.
-    pub fn margin(&self) -> u8 {
-        let Some(rival) = self.rival else { return u8::MAX };
+    /// How far the least cost lies below its rival, in 43rds of the rival's cost, rounded down: [`GUESS`] for an equal
+    /// rival, [`MOST_DOUBTFUL`] for a perfect match without an equal and for a winner without rivals.
+    pub fn confidence(&self) -> u8 {
+        let Some(rival) = self.rival else { return MOST_DOUBTFUL };
         let lead = rival.saturating_sub(self.cost);
-        let margin = (255 * lead).checked_div(rival).unwrap_or(0);
-        u8::try_from(margin).unwrap_or(u8::MAX)
+        let margin = (u32::from(MOST_DOUBTFUL - GUESS) * lead).checked_div(rival).unwrap_or(0);
+        u8::try_from(margin).map_or(MOST_DOUBTFUL, |margin| GUESS + margin)
     }
 
     /// Where between the positions the cost, below 2^23, is least, 1/256 of a position, -128..=128, positive
@@ -165,11 +171,13 @@ mod tests {
     }
 
     #[test]
-    fn margin_spans_equal_to_perfect() {
-        assert_eq!(Winner::find(&[0_u16, 9, 0]).margin(), 0);
-        assert_eq!(Winner::find(&[7_u16, 9, 7]).margin(), 0);
-        assert_eq!(Winner::find(&[50_u16, 90, 100]).margin(), 127);
-        assert_eq!(Winner::find(&[0_u16, 90, 1]).margin(), 255);
+    fn confidence_spans_equal_to_perfect_and_is_never_sure() {
+        assert_eq!(Winner::find(&[0_u16, 9, 0]).confidence(), 12);
+        assert_eq!(Winner::find(&[7_u16, 9, 7]).confidence(), 12);
+        assert_eq!(Winner::find(&[50_u16, 90, 100]).confidence(), 12 + 21);
+        assert_eq!(Winner::find(&[0_u16, 90, 1]).confidence(), 55);
+        assert_eq!(Winner::find(&[5_u16]).confidence(), 55);
+        assert_eq!(Winner::find(&[0_u32, 90, u32::from(u16::MAX)]).confidence(), 55);
     }
 
     #[test]

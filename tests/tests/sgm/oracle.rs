@@ -30,13 +30,35 @@ impl<'a> Oracle<'a> {
 
     /// Disparities, 1/16 px, row by row.
     pub fn map(&self) -> Vec<i16> {
+        let winners: Vec<i32> = self.sums().iter().map(|sums| winner(&self.labels, sums)).collect();
+        self.pixels().map(|(x, y)| self.median(&winners, x, y)).collect()
+    }
+
+    /// Confidences, row by row.
+    pub fn confidence(&self) -> Vec<u8> {
+        let sums = self.sums();
+        let least: Vec<i32> = sums.iter().map(|sums| *sums.iter().min().unwrap()).collect();
+        let whole: Vec<i32> = sums.iter().map(|sums| (winner(&self.labels, sums) + 8).div_euclid(16)).collect();
+        let of = |(x, y): (i32, i32)| {
+            let at = self.index(x, y);
+            let confidence = u8::try_from(255 - 5 * least[at]).unwrap();
+            let column = x - whole[at];
+            // All pixels of the row that are seen in that column of the right view.
+            let rivals = (0..self.width).map(|x| (x, self.index(x, y))).filter(|&(x, at)| x - whole[at] == column);
+            let best = rivals.map(|(_, at)| at).min_by_key(|&at| (least[at], -whole[at]));
+            let is_mutual =
+                (0..self.width).contains(&column) && best.is_some_and(|best| whole[best].abs_diff(whole[at]) <= 1);
+            if is_mutual { confidence } else { confidence / 16 }
+        };
+        self.pixels().map(of).collect()
+    }
+
+    /// Costs of the three paths together, by pixel and label.
+    fn sums(&self) -> Vec<Vec<i32>> {
         let costs: Vec<Vec<i32>> = self.pixels().map(|(x, y)| self.costs(x, y)).collect();
         let paths = [(1, 0), (-1, 0), (0, 1)].map(|step| self.paths(&costs, step));
         let sum = |at: usize, label: usize| paths.iter().map(|path| path[at][label]).sum::<i32>();
-        let winners: Vec<i32> = (0..costs.len())
-            .map(|at| winner(&self.labels, &(0..self.labels.len()).map(|label| sum(at, label)).collect::<Vec<_>>()))
-            .collect();
-        self.pixels().map(|(x, y)| self.median(&winners, x, y)).collect()
+        (0..costs.len()).map(|at| (0..self.labels.len()).map(|label| sum(at, label)).collect()).collect()
     }
 
     fn pixels(&self) -> impl Iterator<Item = (i32, i32)> {
