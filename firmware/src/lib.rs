@@ -8,7 +8,7 @@
 #![cfg_attr(not(test), no_std)]
 
 pub mod app;
-#[cfg(target_os = "none")]
+#[cfg(all(target_os = "none", feature = "board"))]
 pub mod board;
 pub mod bringup;
 #[cfg(target_os = "none")]

@@ -1,7 +1,7 @@
 //! Whether the pipeline keeps up with the sensors of the rig that the program is built for.
 
-use super::clock::CORE;
 use super::pair::LINE_US;
+use super::this::clock::CORE;
 use crate::app::ring::RAW_ROWS;
 use crate::app::settings::{FRAME_RATE, HEIGHT, METHOD, Method, WIDTH};
 
