@@ -24,7 +24,7 @@ fn main() {
     let core = Core::of_target();
     let board = Board::chosen(&package);
     let rig = Rig::read(&package, board.rig.as_deref());
-    let source = rig.source + &counted(&package, rig.width, rig.num_disparities);
+    let source = rig.source + &counted(&package, core, rig.width, rig.num_disparities);
     fs::write(out.join("rig.rs"), source).expect("cargo's folder can be written in");
     println!("cargo:rustc-cfg=sensor=\"{}\"", rig.sensor);
 
@@ -82,6 +82,14 @@ impl Core {
         Self::M33
     }
 
+    /// What the twin counted of its program.
+    const fn counts(self) -> &'static str {
+        match self {
+            Self::M4 => "counts.csv",
+            Self::M33 => "counts_m33.csv",
+        }
+    }
+
     /// The emulated machine's linker script.
     const fn machine(self) -> &'static str {
         match self {
@@ -92,8 +100,8 @@ impl Core {
 }
 
 /// What the twin counted on noisy frames of about that size, as constants.
-fn counted(package: &Path, width: u16, disparities: u16) -> String {
-    let file = package.join("../host-sim/src/power/plan/counts.csv");
+fn counted(package: &Path, core: Core, width: u16, disparities: u16) -> String {
+    let file = package.join("../host-sim/src/power/plan").join(core.counts());
     println!("cargo:rerun-if-changed={}", file.display());
     let text = fs::read_to_string(&file).unwrap_or_else(|error| panic!("{}: {error}", file.display()));
     // method, scene, input, width, height, disparities, instructions, packets

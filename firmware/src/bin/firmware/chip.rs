@@ -11,7 +11,7 @@ use haarline::{ConfigError, Full, Lite, Rectified, Setup, StereoMethod, blocks_f
 use haarline_firmware::app::autopilot::Sightings;
 use haarline_firmware::app::capture::Patience;
 use haarline_firmware::app::lookout::Lookout;
-use haarline_firmware::app::ring::{From, RAW_ROWS, RESULT_PAIRS, RawRow, ResultRows, SharedCounters, To};
+use haarline_firmware::app::ring::{From, RESULT_PAIRS, RawRow, ResultRows, SharedCounters, To};
 use haarline_firmware::app::settings::{self, Method};
 use haarline_firmware::app::shown::{ShownPackets, ShownSink, ShownSource};
 use haarline_firmware::app::{alive, autopilot, capture, measuring, results, statistics, vision};
@@ -23,7 +23,7 @@ use haarline_firmware::board::sensors::{Ready, Sensors};
 use haarline_firmware::board::serial::Serial;
 use haarline_firmware::board::this::parts::Parts;
 use haarline_firmware::board::this::start::Started;
-use haarline_firmware::board::this::{NAME, clock, reset, start};
+use haarline_firmware::board::this::{NAME, RAW_ROWS, clock, reset, start};
 use haarline_firmware::board::watchdog::{self, Watchdog};
 use haarline_firmware::board::{idle, phases, prompt, sensors};
 use haarline_firmware::rig::{PLAN, SECTORS};

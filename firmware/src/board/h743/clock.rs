@@ -8,7 +8,8 @@ use embassy_stm32::time::Hertz;
 use embassy_stm32::{Config, pac};
 
 use super::start::Revision;
-use crate::board::load::keeps_up;
+use crate::app::settings::{METHOD, Method};
+use crate::board::load::{INSTRUCTIONS, keeps_up};
 
 /// A clock, and the core's voltage that it asks for (RM0433, section 6.6.2).
 #[derive(Clone, Copy)]
@@ -41,6 +42,12 @@ const POINT: OperatingPoint = POINTS[match option_env!("HAARLINE_CLOCK_MHZ") {
     },
 }];
 
+/// Cycles that a pixel takes with everything, packets and interrupts too, where an instruction takes one: of `full` measured
+/// on the emulated chip (`--profile firmware`), of `lite` less what it saves in the twin.
+pub const CYCLES: u32 = match METHOD {
+    Method::Full => 180,
+    Method::Lite => 165,
+};
 /// The core, Hz.
 pub const CORE: u32 = POINT.mhz * 1_000_000;
 /// What the Nucleo's debugger gives, Hz.
@@ -82,10 +89,10 @@ impl OperatingPoint {
     }
 }
 
-/// The number of the slowest point that keeps up; the fastest if none does.
+/// The number of the slowest point that keeps up where an instruction takes a cycle; the fastest if none does.
 const fn slowest() -> usize {
     let mut nth = POINTS.len() - 1;
-    while nth > 0 && !keeps_up(POINTS[nth].mhz, POINTS[nth].pll1_q()) {
+    while nth > 0 && !keeps_up(INSTRUCTIONS, POINTS[nth].mhz, POINTS[nth].pll1_q()) {
         nth -= 1;
     }
     nth

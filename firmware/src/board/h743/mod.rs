@@ -30,6 +30,8 @@ pub mod start;
 /// The camera port's interrupt.
 pub use embassy_stm32::interrupt::typelevel::DCMI as PortInterrupt;
 
+/// Raw rows that may wait for the vision task.
+pub const RAW_ROWS: usize = crate::app::ring::RAW_ROWS;
 /// What the log calls it.
 pub const NAME: &str = "board-h743";
 /// What its chip is called.

@@ -5,7 +5,7 @@ use embassy_stm32::Config;
 use embassy_stm32::rcc::{Pll, PllDiv, PllMul, PllPreDiv, PllSource, Sysclk, VoltageScale};
 
 use super::start::Revision;
-use crate::board::load::keeps_up;
+use crate::board::load::{INSTRUCTIONS, keeps_up};
 
 /// A clock, and the core's voltage that it asks for (RM0456, section 10.5.4).
 #[derive(Clone, Copy)]
@@ -62,6 +62,8 @@ const POINT: OperatingPoint = POINTS[match option_env!("HAARLINE_CLOCK_MHZ") {
     },
 }];
 
+/// Cycles that a pixel takes with everything: 1.1 an instruction, by the model of `haarline power plan`. No board was measured.
+pub const CYCLES: u32 = INSTRUCTIONS * 11 / 10;
 /// The core, Hz.
 pub const CORE: u32 = POINT.mhz * 1_000_000;
 /// The sensors' clock, Hz.
@@ -78,7 +80,7 @@ impl OperatingPoint {
 /// The number of the slowest point that keeps up; the fastest if none does.
 const fn slowest() -> usize {
     let mut nth = POINTS.len() - 1;
-    while nth > 0 && !keeps_up(POINTS[nth].mhz, POINTS[nth].sensors_hz()) {
+    while nth > 0 && !keeps_up(CYCLES, POINTS[nth].mhz, POINTS[nth].sensors_hz()) {
         nth -= 1;
     }
     nth

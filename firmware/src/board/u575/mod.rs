@@ -30,6 +30,9 @@ compile_error!("HAARLINE_RIG: on this board wiring is \"pairs14\" (two MT9V034)"
 /// The camera port's interrupt.
 pub use embassy_stm32::interrupt::typelevel::DCMI_PSSI as PortInterrupt;
 
+/// Raw rows that may wait for the vision task: more than elsewhere, for even the slowest lines of these sensors come twice as fast
+/// as this core works on them. There is memory for it, and it does not grow with the height either.
+pub const RAW_ROWS: usize = 3 * crate::app::ring::RAW_ROWS;
 /// What the log calls it.
 pub const NAME: &str = "board-u575";
 /// What its chip is called.
