@@ -22,6 +22,9 @@ const _: () = assert!(4 * RING <= u16::MAX as usize);
 /// All flags that can be cleared: `TCF` to `TOF`.
 const FLAGS: u32 = 0b111_1111 << 8;
 
+/// Looks until the channel must be at rest; it is reset then in any case.
+const LOOKS: u32 = 1000;
+
 /// DMA reaches all of the chip's SRAM.
 static MEMORY: [AtomicU32; RING] = [const { AtomicU32::new(0) }; RING];
 /// The linked-list item: block length, destination and link, in this order (RM0456, GPDMA linked-list data structure). Aligned,
@@ -87,14 +90,13 @@ impl DmaRing {
 
     /// Stops DMA.
     pub fn stop(&mut self) {
-        let is_on = channel().cr().read().en();
-        if is_on {
+        if channel().cr().read().en() {
             channel().cr().modify(|w| w.set_susp(true));
             let is_at_rest = || {
                 let status = channel().sr().read();
                 status.suspf() || status.idlef()
             };
-            while !is_at_rest() {}
+            let _ = (0..LOOKS).any(|_| is_at_rest());
         }
         channel().cr().write(|w| w.set_reset(true));
         channel().fcr().write_value(ChFcr(FLAGS));

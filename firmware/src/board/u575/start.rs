@@ -37,7 +37,7 @@ pub fn start() -> Started {
     pac::DBGMCU.apb1lfzr().modify(|w| w.set_dbg_iwdg_stop(true));
     let Some(mut core) = cortex_m::Peripherals::take() else { defmt::panic!("the core's peripherals are gone") };
     pac::ICACHE.cr().modify(|w| w.set_en(true));
-    guard::set();
+    guard::set(&mut core.SCB);
     let clock = CLOCK.take();
     clock.start(&mut core.DCB, &mut core.DWT);
     if !is_stepped_down {
