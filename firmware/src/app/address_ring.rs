@@ -130,7 +130,7 @@ mod tests {
                 let waiting = dma.stored.wrapping_sub(from) as usize;
                 prop_assert_eq!(is_good, (read..WORDS).contains(&waiting));
                 if is_good {
-                    let stored: Vec<u32> = (0..read as u32).map(|nth| from.wrapping_add(nth)).collect();
+                    let stored: Vec<u32> = (0_u32..).take(read).map(|nth| from.wrapping_add(nth)).collect();
                     prop_assert_eq!(to, stored);
                     position = (ring.read, ring.next);
                 } else {
