@@ -10,6 +10,7 @@ fn main() {
     println!("cargo:rerun-if-changed=build.rs");
     println!("cargo:rustc-check-cfg=cfg(footprint, values(\"null\", \"lite\", \"full\", \"block\", \"sgm\"))");
     println!("cargo:rustc-check-cfg=cfg(sensor, values(\"hm01b0\", \"mt9v034\"))");
+    println!("cargo:rustc-check-cfg=cfg(machine, values(\"mps2\", \"an505\"))");
     // The method that the program `footprint` measures.
     println!("cargo:rerun-if-env-changed=HAARLINE_FOOTPRINT");
     let measured = env::var("HAARLINE_FOOTPRINT").unwrap_or_else(|_| "null".to_owned());
@@ -20,35 +21,87 @@ fn main() {
     let package = PathBuf::from(env::var_os("CARGO_MANIFEST_DIR").expect("cargo sets it"));
     let out = PathBuf::from(env::var_os("OUT_DIR").expect("cargo sets it"));
     println!("cargo:rustc-link-arg-bins=--nmagic");
-    let rig = Rig::read(&package);
-    let source = rig.source + &counted(&package, rig.width, rig.num_disparities);
+    let core = Core::of_target();
+    let board = Board::chosen(&package);
+    let rig = Rig::read(&package, board.rig.as_deref());
+    let source = rig.source + &counted(&package, core, rig.width, rig.num_disparities);
     fs::write(out.join("rig.rs"), source).expect("cargo's folder can be written in");
     println!("cargo:rustc-cfg=sensor=\"{}\"", rig.sensor);
 
-    let board = Board::chosen(&package);
     println!("cargo:rustc-env=HAARLINE_CHIP={}", board.chip);
     println!("cargo:rustc-env=HAARLINE_COMPILER={}", compiler());
-    // cortex-m-rt's `link.x` includes `memory.x`, which the linker looks for in the workspace's root first.
-    fs::copy(&board.memory, out.join("memory.x")).expect("the board's memory map can be read");
+    let scripts = package.join("memory");
+    println!("cargo:rerun-if-changed={}", scripts.display());
     println!("cargo:rerun-if-changed={}", board.memory.display());
-    println!("cargo:rustc-link-search={}", out.display());
+    let sections = scripts.join("cortex_m.x");
+    let default = package.join("../memory.x");
+    let is_default = board.memory.canonicalize().ok() == default.canonicalize().ok();
     for program in ["firmware", "selftest", "bringup", "bench", "profile"] {
-        println!("cargo:rustc-link-arg-bin={program}=-Tlink.x");
+        if is_default {
+            // It includes `memory.x`, which the linker finds in the workspace's root.
+            println!("cargo:rustc-link-arg-bin={program}=-Tlink.x");
+        } else {
+            println!("cargo:rustc-link-arg-bin={program}=-T{}", board.memory.display());
+            println!("cargo:rustc-link-arg-bin={program}=-T{}", sections.display());
+            println!("cargo:rustc-link-arg-bin={program}=-Tdevice.x");
+        }
         println!("cargo:rustc-link-arg-bin={program}=-Tdefmt.x");
     }
 
-    // The emulated machines: a linker script of their own, and what defmt needs.
-    let machine = package.join("memory/mps2.x");
-    println!("cargo:rerun-if-changed={}", machine.display());
+    // The emulated machines.
+    println!("cargo:rustc-cfg=machine=\"{}\"", core.machine());
+    let machine = scripts.join(core.machine()).with_extension("x");
     for program in ["twin", "footprint"] {
         println!("cargo:rustc-link-arg-bin={program}=-T{}", machine.display());
+        println!("cargo:rustc-link-arg-bin={program}=-T{}", sections.display());
         println!("cargo:rustc-link-arg-bin={program}=-Tdefmt.x");
     }
 }
 
+/// What is built for.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Core {
+    /// A Cortex-M4 or M7.
+    M4,
+    /// A Cortex-M33 with its DSP extension.
+    M33,
+}
+
+impl Core {
+    fn of_target() -> Self {
+        let target = env::var("TARGET").unwrap_or_default();
+        if !target.starts_with("thumbv8m.main") {
+            return Self::M4;
+        }
+        // Without it everything would work, three times as slow.
+        let flags = env::var("CARGO_ENCODED_RUSTFLAGS").unwrap_or_default();
+        assert!(
+            flags.contains("target-cpu=cortex-m33"),
+            "{target} needs -C target-cpu=cortex-m33 as .cargo/config.toml has it: a RUSTFLAGS from outside replaces that"
+        );
+        Self::M33
+    }
+
+    /// What the twin counted of its program.
+    const fn counts(self) -> &'static str {
+        match self {
+            Self::M4 => "counts.csv",
+            Self::M33 => "counts_m33.csv",
+        }
+    }
+
+    /// The emulated machine's linker script.
+    const fn machine(self) -> &'static str {
+        match self {
+            Self::M4 => "mps2",
+            Self::M33 => "an505",
+        }
+    }
+}
+
 /// What the twin counted on noisy frames of about that size, as constants.
-fn counted(package: &Path, width: u16, disparities: u16) -> String {
-    let file = package.join("../host-sim/src/power/plan/counts.csv");
+fn counted(package: &Path, core: Core, width: u16, disparities: u16) -> String {
+    let file = package.join("../host-sim/src/power/plan").join(core.counts());
     println!("cargo:rerun-if-changed={}", file.display());
     let text = fs::read_to_string(&file).unwrap_or_else(|error| panic!("{}: {error}", file.display()));
     // method, scene, input, width, height, disparities, instructions, packets
@@ -86,6 +139,8 @@ struct Board {
     chip: String,
     /// The file with its memory map.
     memory: PathBuf,
+    /// The file with the rig that it is built for where no other is named.
+    rig: Option<PathBuf>,
 }
 
 impl Board {
@@ -99,7 +154,7 @@ impl Board {
         };
         let Some(folder) = folders.into_iter().find(is_chosen).map(|folder| folder.path()) else {
             // The emulated machines have no board; nothing is linked by this.
-            return Self { chip: String::new(), memory: package.join("../memory.x") };
+            return Self { chip: String::new(), memory: package.join("../memory.x"), rig: None };
         };
         let file = folder.join("board.toml");
         println!("cargo:rerun-if-changed={}", file.display());
@@ -107,10 +162,14 @@ impl Board {
         let field = |name: &str| {
             let lines = text.lines().filter_map(|line| line.split_once('='));
             let value = lines.into_iter().find(|(key, _)| key.trim() == name).map(|(_, value)| value);
-            let value = value.unwrap_or_else(|| panic!("{}: {name} is missing", file.display()));
-            value.trim().trim_matches('"').to_owned()
+            value.map(|value| value.trim().trim_matches('"').to_owned())
         };
-        Self { chip: field("chip"), memory: folder.join(field("memory")) }
+        let needed = |name: &str| field(name).unwrap_or_else(|| panic!("{}: {name} is missing", file.display()));
+        Self {
+            chip: needed("chip"),
+            memory: folder.join(needed("memory")),
+            rig: field("rig").map(|name| folder.join(name)),
+        }
     }
 }
 
@@ -126,13 +185,13 @@ struct Rig {
 }
 
 impl Rig {
-    /// The rig in `HAARLINE_RIG`, a path from the root of the workspace; without it that of `haarline rig new`.
-    fn read(package: &Path) -> Self {
+    /// The rig in `HAARLINE_RIG`, a path from the root of the workspace; without it the board's own, or that of `haarline rig new`.
+    fn read(package: &Path, own: Option<&Path>) -> Self {
         println!("cargo:rerun-if-env-changed=HAARLINE_RIG");
-        let (name, text) = match env::var_os("HAARLINE_RIG") {
+        let named = env::var_os("HAARLINE_RIG").map(|path| package.join("..").join(path));
+        let (name, text) = match named.or_else(|| own.map(Path::to_owned)) {
             None => ("the default rig".to_owned(), haarline_rig::template()),
             Some(path) => {
-                let path = package.join("..").join(path);
                 println!("cargo:rerun-if-changed={}", path.display());
                 let text = fs::read_to_string(&path);
                 (

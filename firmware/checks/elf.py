@@ -3,6 +3,9 @@
 floating-point instruction and no reachable panic.
 
 usage: firmware/checks/elf.py ELF [MOST_PANICS]
+       firmware/checks/elf.py --sizes ELF...
+
+With --sizes it only tells how much memory each takes.
 
 MOST_PANICS (0 unless told) is how many kinds of panics may be reachable: each is a check of a bound that the compiler could
 not prove.
@@ -42,7 +45,7 @@ def memory(elf):
         sys.exit(f"{elf} has no vector table: the linker script did not reach the linker")
     flash = sum(size for size, is_stored, _ in found.values() if is_stored)
     ram = sum(size for size, _, is_written in found.values() if is_written)
-    print(f"flash {flash} B, RAM {ram} B without the stack: {', '.join(f'{n} {s[0]}' for n, s in found.items())}")
+    print(f"{Path(elf).name}: flash {flash} B, RAM {ram} B without the stack: {', '.join(f'{n} {s[0]}' for n, s in found.items())}")
 
 
 def objdump():
@@ -57,7 +60,8 @@ def objdump():
 
 def functions(elf):
     """Each function's calls, and its floating-point instructions."""
-    command = [objdump(), "-d", "--no-show-raw-insn", "-C", elf]
+    # The DSP extension is an option of Armv8-M that the file does not tell of.
+    command = [objdump(), "-d", "--no-show-raw-insn", "--mattr=+dsp", "-C", elf]
     calls, floats, name = {}, {}, None
     for line in subprocess.run(command, capture_output=True, text=True, check=True).stdout.splitlines():
         if head := HEAD.match(line):
@@ -75,6 +79,8 @@ def functions(elf):
 
 
 def main():
+    if sys.argv[1:2] == ["--sizes"] and len(sys.argv) > 2:
+        return [memory(elf) for elf in sys.argv[2:]]
     if len(sys.argv) not in (2, 3):
         sys.exit(__doc__.strip())
     most = int(sys.argv[2]) if len(sys.argv) == 3 else 0

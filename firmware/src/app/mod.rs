@@ -1,5 +1,6 @@
 //! The application between the camera and the serial ports. It knows no chip and no board.
 
+pub mod address_ring;
 #[cfg(target_os = "none")]
 pub mod alive;
 #[cfg(target_os = "none")]

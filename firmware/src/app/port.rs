@@ -158,6 +158,12 @@ impl Port {
         }
     }
 
+    /// Words that DMA has stored since the start, wrapping around.
+    pub fn stored(&mut self, registers: &impl PortRegisters) -> u32 {
+        self.follow(registers);
+        self.stored
+    }
+
     /// Follows DMA; it never laps the ring between two interrupts.
     fn follow(&mut self, registers: &impl PortRegisters) {
         let position = registers.ring_position() % self.ring;

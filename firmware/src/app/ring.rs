@@ -13,7 +13,7 @@ use haarline::{Counters, Disparity};
 pub const MAX_WIDTH: usize = 320;
 /// Most bytes of a raw row, both views of it.
 pub const MAX_RAW: usize = 2 * MAX_WIDTH;
-/// Raw rows between capture and vision: at most 32, so that memory does not grow with the height.
+/// Raw rows between capture and vision, unless the board says otherwise: so many, and memory does not grow with the height.
 pub const RAW_ROWS: usize = 32;
 /// Pairs of disparity rows between vision and results: more than come at once at the end of a frame.
 pub const RESULT_PAIRS: usize = 10;

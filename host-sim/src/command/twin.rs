@@ -79,9 +79,9 @@ pub(super) struct Args {
     /// How to match
     #[arg(long, value_enum, default_value_t = MethodKind::BEST)]
     method: MethodKind,
-    /// The emulated machine: Cortex-M4F or M7
-    #[arg(long, value_enum, default_value_t = Machine::An386)]
-    machine: Machine,
+    /// The emulated machine [default: an386, or an505 where --elf is built for it]
+    #[arg(long, value_enum)]
+    machine: Option<Machine>,
     #[command(flatten)]
     wiring: WiringArgs,
     /// Lets something go wrong at the camera in a frame, counted from 0: lost-line, short, long, overrun,
@@ -93,7 +93,8 @@ pub(super) struct Args {
     output: Option<PathBuf>,
     #[command(flatten)]
     min_confidence: MinConfidence,
-    /// The program, as `cargo twin` builds it in target/thumbv7em-none-eabihf/firmware/twin [default: that of the
+    /// The program, as `cargo twin` builds it in target/thumbv7em-none-eabihf/firmware/twin, for an505 `cargo twin-m33` in
+    /// target/thumbv8m.main-none-eabihf/firmware/twin [default: that of the
     /// environment variable HAARLINE_TWIN, or built by cargo if this folder is in Haarline's sources]
     #[arg(long, value_name = "FILE")]
     elf: Option<PathBuf>,
@@ -180,22 +181,33 @@ impl Args {
         request.check()?;
         self.claim(recorded.max(frames), rig.as_ref())?;
 
-        let elf = self.elf.clone().map_or_else(elf::find, Ok)?;
+        let wanted = self.machine;
+        let elf = self.elf.clone().map_or_else(|| elf::find(wanted.unwrap_or(Machine::An386)), Ok)?;
         let program = elf::read(&elf)?;
+        let built = elf::machine(&program).with_context(|| elf.display().to_string())?;
+        let machine = wanted.unwrap_or(built);
+        ensure!(
+            machine.target() == built.target(),
+            "{} is built for {}, and the machine {} needs one for {}",
+            elf.display(),
+            built.target(),
+            machine.name(),
+            machine.target()
+        );
         let memory = elf::memory(&program, method.name()).with_context(|| elf.display().to_string())?;
         let folder = tempfile::tempdir().context("a folder for the run")?;
         let file = |name: &str| folder.path().join(name);
         fs::write(file("twin.elf"), &program).context("a folder for the run")?;
         fs::write(file("raw.bin"), &footage.raw).context("a folder for the run")?;
         fs::write(file("tables.bin"), request.tables()).context("a folder for the run")?;
-        self.machine.run(folder.path(), "twin.elf", &request.arguments(), Duration::from_secs(self.timeout))?;
+        machine.run(folder.path(), "twin.elf", &request.arguments(), Duration::from_secs(self.timeout))?;
 
         let report = Report::read(&file("report.txt"))?;
         let maps = decode(fs::read(file("rows.bin")).context("the program left no results")?, [width, height])?;
         self.write(&maps, min_confidence)?;
         let (expected, figures): (Vec<_>, Vec<_>) = self.expected(&footage.pairs, &request)?.into_iter().unzip();
         let different = different(&maps, &expected, &request);
-        let mut summary = self.summary(&request, &report, memory, maps.len(), different)?;
+        let mut summary = self.summary(machine, &request, &report, memory, maps.len(), different)?;
         if let Some(rig) = &rig {
             let text = fs::read_to_string(file("obstacles.txt")).context("the program left no obstacles")?;
             let found = obstacles::decode(&text)?;
@@ -318,6 +330,7 @@ impl Args {
 
     fn summary(
         &self,
+        machine: Machine,
         request: &Request,
         report: &Report,
         memory: Memory,
@@ -337,8 +350,8 @@ impl Args {
         let frame_pixels = (width * request.height) as f64;
         Ok(Summary {
             method: request.method.name(),
-            machine: self.machine.name(),
-            core: self.machine.core(),
+            machine: machine.name(),
+            core: machine.core(),
             width,
             height: request.height,
             min_disparity: request.config.min_disparity,
@@ -358,7 +371,7 @@ impl Args {
             frame_end,
             frame_end_rows: frame_end / mean_row.max(1.0),
             clock_instructions: report.get("clock")?,
-            estimates: FullLoad::of_all(&Currents::own()?, total, frame_pixels)?,
+            estimates: FullLoad::of_program(&Currents::own()?, machine.processor(), total, frame_pixels)?,
             memory,
             stack_high_water: report.get("stack")?,
             startup_stack_high_water: report.get("startup_stack")?,

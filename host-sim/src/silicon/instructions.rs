@@ -13,12 +13,13 @@ use crate::StereoPair;
 use crate::stereo::method::MethodKind;
 use crate::twin::footage::Footage;
 use crate::twin::machine::Machine;
-use crate::twin::{Report, Request};
+use crate::twin::{Report, Request, elf};
 
 /// Longest that a pair may take.
 const LIMIT: Duration = Duration::from_secs(600);
 
-/// Instructions of all stages but the packets, for a pair through the program `elf` on an emulated Cortex-M7.
+/// Instructions of all stages but the packets, for a pair through the program `elf` on an emulated Cortex-M7, or the M33 if it is
+/// built for that.
 ///
 /// # Errors
 /// If QEMU is missing or the program fails.
@@ -28,9 +29,12 @@ pub fn count(elf: &Path, method: MethodKind, pair: &StereoPair) -> Result<u64> {
     let (config, height) = (config(pair), pair.height());
     let request = Request { config, height, recorded: 1, frames: 1, keep: 0, method, wiring, fault: None, plan: None };
     let folder = tempfile::tempdir().context("a folder for the run")?;
-    fs::copy(elf, folder.path().join("twin.elf")).with_context(|| elf.display().to_string())?;
+    let program = elf::read(elf)?;
+    let built = elf::machine(&program).with_context(|| elf.display().to_string())?;
+    let machine = if built == Machine::An386 { Machine::An500 } else { built };
+    fs::write(folder.path().join("twin.elf"), &program).context("a folder for the run")?;
     fs::write(folder.path().join("raw.bin"), &footage.raw).context("a folder for the run")?;
-    Machine::An500.run(folder.path(), "twin.elf", &request.arguments(), LIMIT)?;
+    machine.run(folder.path(), "twin.elf", &request.arguments(), LIMIT)?;
     let stages = Report::read(&folder.path().join("report.txt"))?.stages()?;
     let own = stages.into_iter().filter(|(stage, _)| !matches!(stage.name(), "unpack" | "packets"));
     Ok(own.map(|(_, count)| count).sum())

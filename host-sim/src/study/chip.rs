@@ -28,9 +28,11 @@ pub struct Instructions {
     pub packets: f64,
 }
 
-/// The emulated Cortex-M4F, and the program that runs there.
+/// An emulated Cortex-M, and the program that runs there.
 #[derive(Debug, Clone)]
 pub struct Chip {
+    /// The machine: what the program is built for.
+    pub machine: Machine,
     program: Vec<u8>,
     path: PathBuf,
 }
@@ -39,13 +41,14 @@ impl Chip {
     /// Most scenes that are counted: a mean of four is within a percent or two of that of all.
     pub const MOST_SCENES: usize = 4;
 
-    /// The chip with that program, as `cargo twin` builds it.
+    /// The chip with that program, as `cargo twin` or `cargo twin-m33` builds it.
     ///
     /// # Errors
     /// If it cannot be read.
     pub fn read(path: &Path) -> Result<Self> {
         let program = elf::read(path)?;
-        Ok(Self { program, path: path.to_owned() })
+        let machine = elf::machine(&program).with_context(|| path.display().to_string())?;
+        Ok(Self { machine, program, path: path.to_owned() })
     }
 
     /// Executed instructions of a pixel, all stages, mean over up to [`Self::MOST_SCENES`] scenes that lie as far apart in the
@@ -85,7 +88,7 @@ impl Chip {
         let file = |name: &str| folder.path().join(name);
         fs::write(file("twin.elf"), &self.program).context("a folder for the run")?;
         fs::write(file("raw.bin"), &footage.raw).context("a folder for the run")?;
-        Machine::An386.run(folder.path(), "twin.elf", &request.arguments(), LIMIT)?;
+        self.machine.run(folder.path(), "twin.elf", &request.arguments(), LIMIT)?;
         let report = Report::read(&file("report.txt"))?;
         let pixels = report.get("worked_rows")? as f64 * f64::from(config.width);
         let of = |name: &str| Ok::<_, anyhow::Error>(report.get(name)? as f64 / pixels.max(1.0));

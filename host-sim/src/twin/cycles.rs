@@ -21,7 +21,7 @@
 //! - the instruction mix and the share of taken branches: typical shares, not counted in this program;
 //! - that this program gains from an M7 or M33 what CoreMark does: CoreMark is another program, and its
 //!   published figures hold for a compiler and memories of their own;
-//! - that the M7 and the M33 execute the instructions of the program for the M4.
+//! - that the M7 executes the instructions of the program for the M4. The M33 has a program of its own.
 
 use serde::{Deserialize, Serialize};
 
@@ -90,6 +90,12 @@ impl Core {
             Self::CortexM7 => faster(COREMARK_M7),
             Self::CortexM33 => faster(COREMARK_M33),
         }
+    }
+
+    /// Whether it is of Armv8-M, for which programs are built anew.
+    #[must_use]
+    pub fn is_armv8(self) -> bool {
+        self == Self::CortexM33
     }
 
     /// Its name.

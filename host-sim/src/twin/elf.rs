@@ -8,12 +8,14 @@ use anyhow::{Context, Result, bail, ensure};
 use object::{Object, ObjectSection, ObjectSymbol, SectionFlags, SymbolKind, elf};
 use serde::Serialize;
 
+use super::machine::Machine;
 use crate::input::whole_file;
-
-const TARGET: &str = "thumbv7em-none-eabihf";
 
 /// Names a built program for all runs, where `--elf` does not.
 const VARIABLE: &str = "HAARLINE_TWIN";
+
+/// The secure side's code on the machine `an505`; the others' begins at 0.
+const AN505_CODE: u64 = 0x1000_0000;
 
 /// No program of a chip's is longer.
 const MAX_BYTES: u64 = 256 << 20;
@@ -26,37 +28,47 @@ pub fn read(path: &Path) -> Result<Vec<u8>> {
     whole_file::bytes(path, MAX_BYTES)
 }
 
-/// The program that the environment names, or one that is built.
+/// The program that the environment names, or one that is built for `machine`.
 ///
 /// # Errors
 /// If none is named, and as [`build`].
-pub fn find() -> Result<PathBuf> {
-    env::var_os(VARIABLE).filter(|name| !name.is_empty()).map_or_else(build, |name| Ok(name.into()))
+pub fn find(machine: Machine) -> Result<PathBuf> {
+    env::var_os(VARIABLE).filter(|name| !name.is_empty()).map_or_else(|| build(machine), |name| Ok(name.into()))
+}
+
+/// The machine that a program is built for, of two the first one: where its code lies tells.
+///
+/// # Errors
+/// If it is no ELF file.
+pub fn machine(program: &[u8]) -> Result<Machine> {
+    let entry = object::File::parse(program).context("no ELF program")?.entry();
+    Ok(if entry >= AN505_CODE { Machine::An505 } else { Machine::An386 })
 }
 
 /// Builds the program in the workspace around the current folder and tells where it lies.
 ///
 /// # Errors
 /// If there is no such workspace, cargo or the compiler's target is missing, or the build fails.
-pub fn build() -> Result<PathBuf> {
+pub fn build(machine: Machine) -> Result<PathBuf> {
+    let target = machine.target();
     let here = env::current_dir().context("the current folder")?;
     let root = here.ancestors().find(|folder| folder.join("firmware/src/bin/twin/main.rs").is_file());
     let root = root.with_context(|| {
         format!(
             "{} is not in Haarline's source folder, where the program for the emulated chip is built: go there, or build it \
-             there by `cargo twin` and name it by --elf or {VARIABLE} (target/{TARGET}/firmware/twin)",
+             there by `cargo twin` and name it by --elf or {VARIABLE} (target/{target}/firmware/twin)",
             here.display()
         )
     })?;
     ensure!(
-        has_target(root),
-        "Rust's target {TARGET} is missing: rustup target add {TARGET} (or name a built program by --elf)"
+        has_target(root, target),
+        "Rust's target {target} is missing: rustup target add {target} (or name a built program by --elf)"
     );
     let mut cargo = Command::new(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     cargo.current_dir(root).args(["build", "--quiet", "-p", "haarline-firmware", "--bin", "twin"]);
     // Without a board's interrupt table.
     cargo.args(["--no-default-features", "--features", "twin"]);
-    cargo.args(["--profile", "firmware", "--target", TARGET, "--message-format", "json-render-diagnostics"]);
+    cargo.args(["--profile", "firmware", "--target", target, "--message-format", "json-render-diagnostics"]);
     let output = cargo.stderr(Stdio::inherit()).output();
     let output = output.context("cargo cannot be run: install Rust from https://rustup.rs, or use --elf")?;
     ensure!(output.status.success(), "the program for the emulated chip does not build, see above");
@@ -65,9 +77,9 @@ pub fn build() -> Result<PathBuf> {
     built.next_back().context("cargo tells of no program that it built")
 }
 
-fn has_target(root: &Path) -> bool {
+fn has_target(root: &Path, target: &str) -> bool {
     let mut rustc = Command::new(env::var_os("RUSTC").unwrap_or_else(|| "rustc".into()));
-    let output = rustc.current_dir(root).args(["--print", "target-libdir", "--target", TARGET]).output();
+    let output = rustc.current_dir(root).args(["--print", "target-libdir", "--target", target]).output();
     output.is_ok_and(|output| Path::new(String::from_utf8_lossy(&output.stdout).trim()).is_dir())
 }
 
@@ -143,6 +155,7 @@ mod tests {
     #[test]
     fn what_is_no_program_is_refused() {
         assert!(memory(b"P5 no program", "lite").is_err());
+        assert!(machine(b"P5 no program").is_err());
     }
 
     #[test]

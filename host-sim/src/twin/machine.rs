@@ -10,6 +10,8 @@ use std::time::{Duration, Instant};
 use anyhow::{Context, Result, anyhow, bail};
 use clap::ValueEnum;
 
+use super::cycles::Core;
+
 const QEMU: &str = "qemu-system-arm";
 
 /// An emulated machine.
@@ -19,6 +21,8 @@ pub enum Machine {
     An386,
     /// Cortex-M7
     An500,
+    /// Cortex-M33
+    An505,
 }
 
 impl Machine {
@@ -28,6 +32,7 @@ impl Machine {
         match self {
             Self::An386 => "an386",
             Self::An500 => "an500",
+            Self::An505 => "an505",
         }
     }
 
@@ -37,6 +42,26 @@ impl Machine {
         match self {
             Self::An386 => "Cortex-M4F",
             Self::An500 => "Cortex-M7",
+            Self::An505 => "Cortex-M33",
+        }
+    }
+
+    /// The same for the model of cycles.
+    #[must_use]
+    pub fn processor(self) -> Core {
+        match self {
+            Self::An386 => Core::CortexM4,
+            Self::An500 => Core::CortexM7,
+            Self::An505 => Core::CortexM33,
+        }
+    }
+
+    /// The compiler's target for its programs.
+    #[must_use]
+    pub fn target(self) -> &'static str {
+        match self {
+            Self::An386 | Self::An500 => "thumbv7em-none-eabihf",
+            Self::An505 => "thumbv8m.main-none-eabihf",
         }
     }
 

@@ -1,19 +1,38 @@
 //! The port against a camera that misbehaves in every way, served early and late.
 #![expect(clippy::cast_possible_truncation, reason = "a few rows of a few bytes")]
 
+use core::sync::atomic::{AtomicU32, Ordering};
+
 use proptest::prelude::*;
 
 use super::*;
+use crate::app::address_ring::AddressRing;
 
 const ROW: usize = 8;
-/// Room for the rows that may wait in the queue, three that came late and the one under way.
-const RING: usize = 9 * ROW;
+/// Room for the rows that may wait in the queue, three that came late and the one under way; and a word that is spared.
+const RING: usize = 9 * ROW + 1;
+/// Where the ring lies, as DMA has it.
+const BASE: u32 = 0x2004_0000;
 const QUEUE: usize = 7;
 const LINES: usize = 5;
 
+/// How DMA tells where in the ring it stores next.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Told {
+    /// By a counter of the words that are left, which begins anew with the last one.
+    ByCounter,
+    /// By its destination address, which stays behind the last word for a while.
+    ByAddress,
+}
+
+const KINDS: [Told; 2] = [Told::ByCounter, Told::ByAddress];
+
 /// A camera, a port of bytes and a DMA ring. A byte of the picture tells its frame's and line's number.
-#[derive(Default)]
 struct Model {
+    told: Told,
+    memory: &'static [AtomicU32; RING],
+    /// Whether the address is behind the last word: DMA has not begun anew.
+    is_behind: bool,
     flags: Flags,
     sync: Option<Sync>,
     armed: bool,
@@ -48,12 +67,23 @@ impl PortRegisters for Model {
         self.sync.unwrap_or(Sync::BetweenFrames)
     }
     fn ring_position(&self) -> u32 {
-        u32::try_from(self.stored.len() % RING).unwrap()
+        let place = self.stored.len() % RING;
+        match self.told {
+            Told::ByCounter => {
+                let left = RING - place;
+                (RING - left) as u32
+            }
+            Told::ByAddress => {
+                let words = if self.is_behind { RING } else { place };
+                AddressRing::new(self.memory, BASE).position(BASE + 4 * words as u32)
+            }
+        }
     }
     fn wait(&mut self) {
+        self.is_behind = false;
         self.late = self.late.saturating_sub(1);
         if self.late == 0 {
-            self.stored.append(&mut self.on_their_way);
+            std::mem::take(&mut self.on_their_way).into_iter().for_each(|word| self.store(word));
         }
     }
     fn stop(&mut self) {
@@ -67,6 +97,30 @@ impl PortRegisters for Model {
 }
 
 impl Model {
+    fn new(told: Told) -> Self {
+        let memory = Box::leak(Box::new([const { AtomicU32::new(0) }; RING]));
+        Self {
+            told,
+            memory,
+            is_behind: false,
+            flags: Flags::default(),
+            sync: None,
+            armed: false,
+            capturing: false,
+            dma_stands: false,
+            partial: Vec::new(),
+            on_their_way: Vec::new(),
+            late: 0,
+            stored: Vec::new(),
+            events: Vec::new(),
+            restarts: 0,
+        }
+    }
+    fn store(&mut self, word: [u8; 4]) {
+        self.memory[self.stored.len() % RING].store(u32::from_le_bytes(word), Ordering::Relaxed);
+        self.stored.push(word);
+        self.is_behind = self.stored.len().is_multiple_of(RING);
+    }
     fn start_frame(&mut self) {
         self.capturing = self.armed;
         self.sync = Some(Sync::BetweenLines);
@@ -77,7 +131,7 @@ impl Model {
             for _ in 0..bytes {
                 self.partial.push(mark);
                 if let Ok(word) = <[u8; 4]>::try_from(self.partial.as_slice()) {
-                    self.stored.push(word);
+                    self.store(word);
                     self.partial.clear();
                 }
             }
@@ -86,6 +140,7 @@ impl Model {
     /// The last words of a line that was sent are still on their way, for so many looks.
     fn delay(&mut self, words: usize, looks: u32) {
         self.on_their_way = self.stored.split_off(self.stored.len() - words);
+        self.is_behind = false;
         self.late = looks;
     }
     fn end_line(&mut self) {
@@ -162,6 +217,9 @@ struct Taker {
     /// Marks of the frames that came whole.
     whole: Vec<u8>,
     good: bool,
+    /// The ring as it is read where an address tells the place, and words read so far.
+    ring: AddressRing<'static>,
+    read: u32,
 }
 
 impl Taker {
@@ -175,6 +233,10 @@ impl Taker {
                 PortEvent::Row { at } => {
                     assert!(self.in_frame);
                     let row = model.row(at);
+                    if model.told == Told::ByAddress {
+                        self.fetch(at.wrapping_sub(self.read) as usize, model, port);
+                        assert_eq!(self.fetch(ROW, model, port), row, "another row than was stored");
+                    }
                     let mark = row[0][0];
                     assert!(row.iter().all(|word| *word == [mark; 4]), "a row of two lines");
                     assert!(!self.good || mark % 16 == self.rows, "row {} in place of {}", mark % 16, self.rows);
@@ -196,11 +258,25 @@ impl Taker {
                 PortEvent::DmaError => {
                     self.in_frame = false;
                     model.events.clear();
+                    self.ring.restart();
+                    self.read = 0;
+                    model.is_behind = false;
                     (model.dma_stands, model.stored, model.partial) = (false, Vec::new(), Vec::new());
                     port.start(model);
                 }
             }
         }
+    }
+}
+
+impl Taker {
+    /// The next words of the ring.
+    fn fetch(&mut self, words: usize, model: &Model, port: &mut Port) -> Vec<[u8; 4]> {
+        let mut row = vec![0; words];
+        let is_there = self.ring.read(&mut row, || port.stored(model));
+        assert!(words > ROW || is_there, "overwritten before it was read");
+        self.read += words as u32;
+        row.into_iter().map(u32::to_le_bytes).collect()
     }
 }
 
@@ -244,11 +320,12 @@ fn play(lines: &[Line], frame: u8, model: &mut Model, port: &mut Port, taker: &m
     model.serve(port);
 }
 
-fn started() -> (Model, Port, Taker) {
-    let mut model = Model::default();
+fn started(told: Told) -> (Model, Port, Taker) {
+    let mut model = Model::new(told);
     let mut port = Port::new(u32::try_from(ROW).unwrap(), u32::try_from(RING).unwrap());
     port.start(&mut model);
-    (model, port, Taker { in_frame: false, rows: 0, whole: Vec::new(), good: true })
+    let ring = AddressRing::new(model.memory, BASE);
+    (model, port, Taker { in_frame: false, rows: 0, whole: Vec::new(), good: true, ring, read: 0 })
 }
 
 const GOOD: Line = Line { wrong: Wrong::Nothing, served: Served::AtOnce, taken: true };
@@ -261,8 +338,9 @@ fn with(at: usize, wrong: Wrong) -> Vec<Line> {
 
 #[test]
 fn every_trouble_is_told_and_over_with_its_frame() {
-    for wrong in [Wrong::Short(1), Wrong::Short(4), Wrong::Overrun, Wrong::DmaError, Wrong::EndsFrame, Wrong::Repeats] {
-        let (mut model, mut port, mut taker) = started();
+    let all = [Wrong::Short(1), Wrong::Short(4), Wrong::Overrun, Wrong::DmaError, Wrong::EndsFrame, Wrong::Repeats];
+    for (wrong, told) in all.into_iter().flat_map(|wrong| KINDS.map(|told| (wrong, told))) {
+        let (mut model, mut port, mut taker) = started(told);
         play(&[GOOD; LINES], 0, &mut model, &mut port, &mut taker);
         play(&with(2, wrong), 1, &mut model, &mut port, &mut taker);
         taker.take(&mut model, &mut port);
@@ -281,7 +359,7 @@ fn every_trouble_is_told_and_over_with_its_frame() {
 
 #[test]
 fn a_wrong_line_loses_the_rest_of_its_frame_only() {
-    let (mut model, mut port, mut taker) = started();
+    let (mut model, mut port, mut taker) = started(Told::ByAddress);
     model.start_frame();
     for bytes in [32, 31, 32, 32] {
         model.send(bytes, 0);
@@ -299,7 +377,7 @@ fn a_wrong_line_loses_the_rest_of_its_frame_only() {
 
 #[test]
 fn lines_of_a_frame_that_is_not_captured_are_nothing() {
-    let (mut model, mut port, _) = started();
+    let (mut model, mut port, _) = started(Told::ByAddress);
     for _ in 0..3 {
         model.send(32, 0);
         model.end_line();
@@ -312,8 +390,9 @@ proptest! {
     #[test]
     fn rows_are_whole_and_in_their_places_and_the_next_good_frame_is_good(
         frames in prop::collection::vec(prop::collection::vec(line(), 0..9), 0..6),
+        told in prop::sample::select(&KINDS),
     ) {
-        let (mut model, mut port, mut taker) = started();
+        let (mut model, mut port, mut taker) = started(told);
         for (number, lines) in (0_u8..).zip(&frames) {
             play(lines, number, &mut model, &mut port, &mut taker);
         }
@@ -329,9 +408,10 @@ proptest! {
 
 #[test]
 fn words_that_are_late_at_the_end_of_a_line_lose_nothing() {
-    for (words, looks) in [(1, 1), (3, 20), (ROW - 1, LOOKS - 1)] {
-        let (mut model, mut port) = (Model::default(), Port::new(ROW as u32, RING as u32));
-        port.start(&mut model);
+    for (words, looks, told) in
+        KINDS.into_iter().flat_map(|told| [(1, 1, told), (3, 20, told), (ROW - 1, LOOKS - 1, told)])
+    {
+        let (mut model, mut port, _) = started(told);
         for _ in 0..3 {
             let mut events = Vec::new();
             model.start_frame();
@@ -346,15 +426,18 @@ fn words_that_are_late_at_the_end_of_a_line_lose_nothing() {
             model.serve(&mut port);
             events.append(&mut model.events);
             let rows = events.iter().filter(|event| matches!(event, PortEvent::Row { .. })).count();
-            assert_eq!((rows, events.len()), (LINES, LINES + 2), "{words} words late by {looks} looks: {events:?}");
+            assert_eq!(
+                (rows, events.len()),
+                (LINES, LINES + 2),
+                "{words} words late by {looks} looks, {told:?}: {events:?}"
+            );
         }
     }
 }
 
 #[test]
 fn words_that_never_come_lose_the_rest_of_the_frame_only() {
-    let (mut model, mut port) = (Model::default(), Port::new(ROW as u32, RING as u32));
-    port.start(&mut model);
+    let (mut model, mut port, _) = started(Told::ByCounter);
     model.start_frame();
     model.send(4 * ROW - 4, 0);
     model.end_line();

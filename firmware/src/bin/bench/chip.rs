@@ -3,12 +3,12 @@
 use core::mem::MaybeUninit;
 
 use defmt_rtt as _;
-use embassy_stm32::usart::{self, Uart};
+use embassy_stm32::usart;
 use haarline::{Config, Full, Lite, StereoMethod, WaveletBlock, blocks_for};
-use haarline_firmware::board::this::cycles::CycleClock;
-use haarline_firmware::board::this::dma_memory::DmaCell;
-use haarline_firmware::board::this::start;
+use haarline_firmware::board::cycles::CycleClock;
+use haarline_firmware::board::dma_memory::DmaCell;
 use haarline_firmware::board::this::start::Started;
+use haarline_firmware::board::this::{debugger_port, start};
 use haarline_firmware::dma_cell;
 use haarline_link::message::{DISPARITIES, KEPT, Method, WIDTH};
 use haarline_link::server::Server;
@@ -46,9 +46,7 @@ fn main() -> ! {
     let Started { peripherals: p, mut core, clock } = start::start();
     let mut config = usart::Config::default();
     config.baudrate = BAUD;
-    let Ok(uart) = Uart::new_blocking(p.USART3, p.PD9, p.PD8, config) else {
-        defmt::panic!("120 MHz give 921,600 baud")
-    };
+    let Ok(uart) = debugger_port::open(p, config) else { defmt::panic!("the clock gives 921,600 baud") };
     let port = Port::new(uart, &mut core.SCB);
     let rows = rows();
     let mut bench =
@@ -126,7 +124,7 @@ fn block(bench: &mut Bench, config: Config) -> Begin {
     bench.with(method, config)
 }
 
-/// Its state of 60 KB would leave the stack less than building it takes: it lies in the slower memory.
+/// Its state of 60 KB would leave the stack less than building it takes: it lies in DMA's memory.
 #[inline(never)]
 fn sgm(bench: &mut Bench, config: Config) -> Begin {
     let Some(place) = bench.sgm.take() else { defmt::panic!("one frame at a time") };

@@ -14,4 +14,5 @@ fn main() {
     println!("This program runs on an STM32H743. With the board on a probe, and then on its serial port:");
     println!("  cargo run -p haarline-firmware --release --target thumbv7em-none-eabihf --bin bench");
     println!("  haarline silicon --port /dev/ttyACM0 SCENES");
+    println!("Or on an STM32U575, built by `cargo fw-u575`.");
 }

@@ -2,10 +2,9 @@
 
 use cortex_m::asm::wfe;
 use cortex_m::peripheral::{NVIC, SCB};
-use embassy_stm32::interrupt;
 use embassy_stm32::mode::Blocking;
-use embassy_stm32::pac::USART3;
 use embassy_stm32::usart::Uart;
+use haarline_firmware::board::this::debugger_port::{INTERRUPT, REGISTERS};
 
 /// `SCR.SEVONPEND` (ARMv7-M, B3.2.7): an interrupt that becomes pending is an event, also while it is masked.
 const SEVONPEND: u32 = 1 << 4;
@@ -20,24 +19,24 @@ impl Port {
     pub fn new(uart: Uart<'static, Blocking>, scb: &mut SCB) -> Self {
         // SAFETY: only lets interrupts that are not enabled wake the core.
         unsafe { scb.scr.modify(|scr| scr | SEVONPEND) };
-        USART3.cr1().modify(|w| w.set_rxneie(true));
+        REGISTERS.cr1().modify(|w| w.set_rxneie(true));
         Self { _uart: uart }
     }
 
     /// The next byte. What was lost meanwhile is asked for again.
     pub fn take(&mut self) -> u8 {
-        wait(|| USART3.isr().read().rxne());
-        USART3.icr().write(|w| w.set_ore(true));
-        USART3.rdr().read().dr().to_le_bytes()[0]
+        wait(|| REGISTERS.isr().read().rxne());
+        REGISTERS.icr().write(|w| w.set_ore(true));
+        REGISTERS.rdr().read().dr().to_le_bytes()[0]
     }
 
     /// Sends bytes.
     pub fn put(&mut self, bytes: &[u8]) {
         for &byte in bytes {
-            USART3.cr1().modify(|w| w.set_txeie(true));
-            wait(|| USART3.isr().read().txe());
-            USART3.cr1().modify(|w| w.set_txeie(false));
-            USART3.tdr().write(|w| w.set_dr(u16::from(byte)));
+            REGISTERS.cr1().modify(|w| w.set_txeie(true));
+            wait(|| REGISTERS.isr().read().txe());
+            REGISTERS.cr1().modify(|w| w.set_txeie(false));
+            REGISTERS.tdr().write(|w| w.set_dr(u16::from(byte)));
         }
     }
 }
@@ -47,13 +46,13 @@ impl Port {
 fn wait(is_ready: impl Fn() -> bool) {
     critical_section::with(|_| {
         // SAFETY: masked again before the critical section ends.
-        unsafe { NVIC::unmask(interrupt::USART3) };
+        unsafe { NVIC::unmask(INTERRUPT) };
         while !is_ready() {
-            NVIC::unpend(interrupt::USART3);
+            NVIC::unpend(INTERRUPT);
             if !is_ready() {
                 wfe();
             }
         }
-        NVIC::mask(interrupt::USART3);
+        NVIC::mask(INTERRUPT);
     });
 }

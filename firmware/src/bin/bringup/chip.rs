@@ -6,15 +6,16 @@ use defmt_rtt as _;
 use embassy_executor::Spawner;
 use embassy_time::{Duration, Instant, Timer};
 use haarline_firmware::app::settings::{FRAME_RATE, HEIGHT};
-use haarline_firmware::board::this::camera::Camera;
-use haarline_firmware::board::this::clock::{self, Source};
-use haarline_firmware::board::this::dma_memory::DmaCell;
-use haarline_firmware::board::this::pair::{IS_TRIGGERED, LINE_LENGTH, MASTER_HZ, Model, SETUPS, WINDOW};
+use haarline_firmware::board::camera::Camera;
+use haarline_firmware::board::dma_memory::DmaCell;
+use haarline_firmware::board::idle;
+use haarline_firmware::board::pair::{IS_TRIGGERED, LINE_LENGTH, MASTER_HZ, Model, SETUPS, WINDOW};
+use haarline_firmware::board::sensors::{self, Bus, Sensors};
+use haarline_firmware::board::serial::Serial;
+use haarline_firmware::board::this::clock;
 use haarline_firmware::board::this::parts::Parts;
-use haarline_firmware::board::this::sensors::{self, Bus, Sensors};
-use haarline_firmware::board::this::serial::Serial;
 use haarline_firmware::board::this::start::Started;
-use haarline_firmware::board::this::{idle, start};
+use haarline_firmware::board::this::{SERIES, start};
 use haarline_firmware::bringup::lines::{MOST, Patterns, Seen, Wrong, late_samples};
 use haarline_firmware::bringup::signals::{Counted, Verdict};
 use haarline_firmware::dma_cell;
@@ -68,13 +69,10 @@ fn chip(report: &mut Report) {
     let revision = start::revision();
     let mut text = Text::new();
     let mhz = clock::core_hz(revision) / 1_000_000;
-    let _ = write!(text, "STM32H743 revision {} ({:#06x}), {mhz} MHz", revision.name(), revision.0);
-    match start::source() {
-        Source::Crystal => report.good(1, &format_args!("{text} from the crystal's input, 8 MHz")),
-        Source::Internal => report.bad(
-            1,
-            &format_args!("{text}, but no 8 MHz at the crystal's input: the debugger's part was cut off, or its solder bridges are open"),
-        ),
+    let _ = write!(text, "{SERIES} revision {} ({:#06x}), {mhz} MHz", revision.name(), revision.0);
+    match start::told_source() {
+        Ok(source) => report.good(1, &format_args!("{text}{source}")),
+        Err(source) => report.bad(1, &format_args!("{text}{source}")),
     }
 }
 

@@ -4,7 +4,7 @@ use embassy_futures::select::{Either, select};
 use embassy_time::{Duration, Instant, Timer};
 use haarline_firmware::app::edge::{RowSource, SourceEvent};
 use haarline_firmware::app::settings::WIDTH;
-use haarline_firmware::board::this::camera::Camera;
+use haarline_firmware::board::camera::Camera;
 use haarline_firmware::bringup::lines::Seen;
 use haarline_firmware::bringup::signals::Counted;
 

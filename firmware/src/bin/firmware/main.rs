@@ -12,4 +12,5 @@ mod quiet_log;
 fn main() {
     println!("This program runs on an STM32H743. With the board on a probe:");
     println!("  cargo run -p haarline-firmware --release --target thumbv7em-none-eabihf");
+    println!("Or on an STM32U575, built by `cargo fw-u575`.");
 }

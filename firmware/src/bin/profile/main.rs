@@ -16,6 +16,7 @@ fn main() {
     );
     println!("  cargo build -p haarline-firmware --release --target {TARGET} --features measure --bin profile");
     println!("  probe-rs download --chip STM32H743ZITx target/{TARGET}/release/profile");
+    println!("(STM32U575: cargo fw-u575 --features measure --bin profile)");
     println!("Or see where its cycles go:");
     println!(
         "  probe-rs profile --chip STM32H743ZITx --duration 28 --flash --reset target/{TARGET}/release/profile flat pcsr"

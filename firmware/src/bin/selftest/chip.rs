@@ -8,8 +8,8 @@ use haarline::contour_stereo::rows_for;
 use haarline::{ContourStereo, EnvelopeStereo, Full, Lite, Stage, StereoMethod, WaveletBlock};
 use haarline_firmware::app::edge::{Work, WorkClock};
 use haarline_firmware::app::statistics::StageTotals;
-use haarline_firmware::board::this::cycles::CycleClock;
-use haarline_firmware::board::this::{clock, start};
+use haarline_firmware::board::cycles::CycleClock;
+use haarline_firmware::board::this::{CACHES, SERIES, clock, start};
 use haarline_firmware::selftest::picture::{HEIGHT, WIDTH};
 use haarline_firmware::selftest::{BLOCKS, CONFIG, DISPARITIES, checksum, expected};
 use haarline_firmware::stack;
@@ -76,12 +76,13 @@ fn block(clock: Clock) -> bool {
 fn head() {
     let revision = start::revision();
     defmt::info!(
-        "self test of Haarline {=str}: STM32H743 (revision {=str}, {=u16:#06x}) at {=u32} MHz, \
-         instruction cache on, data cache off",
+        "self test of Haarline {=str}: {=str} (revision {=str}, {=u16:#06x}) at {=u32} MHz, {=str}",
         env!("CARGO_PKG_VERSION"),
+        SERIES,
         revision.name(),
         revision.0,
-        clock::core_hz(revision) / 1_000_000
+        clock::core_hz(revision) / 1_000_000,
+        CACHES
     );
     defmt::info!(
         "cycles for {=u16}x{=u32} px, {=usize} disparities, to take the checksum counts as output; stack of {=usize} B",

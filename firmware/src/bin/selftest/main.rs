@@ -15,4 +15,5 @@ fn main() {
     println!("  cargo run -p haarline-firmware --release --target {TARGET} --bin selftest");
     println!("and then, to see where the cycles go (`pcsr` without `flat` in older versions):");
     println!("  probe-rs profile --chip STM32H743ZITx --duration 20 target/{TARGET}/release/selftest flat pcsr");
+    println!("Or on an STM32U575, built by `cargo fw-u575`.");
 }

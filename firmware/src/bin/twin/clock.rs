@@ -1,8 +1,8 @@
 //! Counts executed instructions by stage.
 //!
 //! QEMU with `-icount shift=6,sleep=off` lets each instruction take 64 ns of its virtual time, and the
-//! machine's timer ticks every 40 ns of it: 8 ticks are 5 instructions. A single reading is rounded to
-//! whole ticks, but 40 ns are less than an instruction, so each reading belongs to one number of
+//! machine's timer ticks every 40 or 50 ns of it: 8 ticks are 5 instructions, or 32 are 25. A single reading is
+//! rounded to whole ticks, but those are less than an instruction, so each reading belongs to one number of
 //! instructions, and numbers are what is added up.
 
 use core::cell::Cell;
@@ -11,8 +11,14 @@ use core::sync::atomic::{Ordering, compiler_fence};
 use haarline::{Stage, StageClock};
 use haarline_firmware::app::edge::{Work, WorkClock};
 
+/// Whether the machine is `mps2-an505`, of which this is the secure side.
+const IS_AN505: bool = cfg!(machine = "an505");
 /// Base of the CMSDK dual timer, of which the first one is used.
-const TIMER: usize = 0x4000_2000;
+const TIMER: usize = if IS_AN505 { 0x5000_2000 } else { 0x4000_2000 };
+/// Its ticks, and SysTick's, a microsecond.
+pub const TICKS: u64 = if IS_AN505 { 20 } else { 25 };
+/// So many ticks are so many instructions of 64 ns.
+const RATIO: (u64, u64) = if IS_AN505 { (32, 25) } else { (8, 5) };
 /// Its value, which counts down.
 const VALUE: *const u32 = (TIMER + 0x4) as *const u32;
 const CONTROL: *mut u32 = (TIMER + 0x8) as *mut u32;
@@ -78,7 +84,7 @@ impl TwinClock {
         start_timer();
         self.value.set(read_timer());
         // How a reading is rounded depends on when the timer was started: the right way makes equal work equal.
-        let phase = (0..8).find(|&phase| {
+        let phase = (0..RATIO.0).find(|&phase| {
             self.phase.set(phase);
             let [a, b, c, d, e, f] = [(); 6].map(|()| self.trial());
             self.own.set(a);
@@ -127,7 +133,7 @@ impl TwinClock {
         let value = read_timer();
         let ticks = self.ticks.get() + u64::from(self.value.replace(value).wrapping_sub(value));
         self.ticks.set(ticks);
-        let now = (5 * ticks + self.phase.get()) / 8;
+        let now = (RATIO.1 * ticks + self.phase.get()) / RATIO.0;
         let spent = now - self.now.replace(now);
         let current = self.current.replace(next);
         self.spent[current % (Stage::COUNT + 1)].update(|sum| sum + spent);
@@ -170,7 +176,7 @@ fn start_timer() {
     unsafe { CONTROL.write_volatile(FREE_RUNNING) }
 }
 
-/// The timer's value, which goes down by 25 a microsecond.
+/// The timer's value, which goes down by [`TICKS`] a microsecond.
 #[expect(unsafe_code, reason = "a register of the machine")]
 pub fn read_timer() -> u32 {
     // What is measured stays on its side.

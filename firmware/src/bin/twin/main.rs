@@ -1,4 +1,4 @@
-//! The application in QEMU, on a Cortex-M4F or M7: rows come from a file of the host, results go into
+//! The application in QEMU, on a Cortex-M4F, M7 or M33: rows come from a file of the host, results go into
 //! one, and executed instructions are counted. `haarline twin` builds, runs and reads it.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 

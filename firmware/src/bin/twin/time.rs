@@ -11,10 +11,8 @@ use critical_section::{CriticalSection, Mutex};
 use embassy_time_driver::Driver;
 use embassy_time_queue_utils::Queue;
 
-use crate::clock::read_timer;
+use crate::clock::{TICKS, read_timer};
 
-/// Of the timer and SysTick, a microsecond.
-const TICKS: u64 = 25;
 /// Longest wait of SysTick, microseconds: 24 bits.
 const LONGEST: u64 = (1 << 24) / TICKS - 1;
 

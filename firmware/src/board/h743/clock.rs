@@ -7,11 +7,9 @@ use embassy_stm32::rcc::{
 use embassy_stm32::time::Hertz;
 use embassy_stm32::{Config, pac};
 
-use super::pair;
 use super::start::Revision;
-use crate::app::ring::RAW_ROWS;
-use crate::app::settings::{FRAME_RATE, HEIGHT, METHOD, Method, WIDTH};
-use crate::rig::{INSTRUCTIONS_FULL, INSTRUCTIONS_LITE};
+use crate::app::settings::{METHOD, Method};
+use crate::board::load::{INSTRUCTIONS, keeps_up};
 
 /// A clock, and the core's voltage that it asks for (RM0433, section 6.6.2).
 #[derive(Clone, Copy)]
@@ -43,20 +41,19 @@ const POINT: OperatingPoint = POINTS[match option_env!("HAARLINE_CLOCK_MHZ") {
         _ => panic!("HAARLINE_CLOCK_MHZ: must be 480, 400 or 200"),
     },
 }];
-/// Instructions of a pixel: of the method and its packets, as the twin counts them on noisy frames, and of the program around, as
-/// measured on the emulated chip.
-const WORK: u32 = 56
-    + match METHOD {
-        Method::Full => INSTRUCTIONS_FULL,
-        Method::Lite => INSTRUCTIONS_LITE,
-    };
 
+/// Cycles that a pixel takes with everything, packets and interrupts too, where an instruction takes one: of `full` measured
+/// on the emulated chip (`--profile firmware`), of `lite` less what it saves in the twin.
+pub const CYCLES: u32 = match METHOD {
+    Method::Full => 180,
+    Method::Lite => 165,
+};
 /// The core, Hz.
 pub const CORE: u32 = POINT.mhz * 1_000_000;
 /// What the Nucleo's debugger gives, Hz.
 pub const HSE: u32 = 8_000_000;
-/// The other output of the core's PLL, Hz: the MT9V034's clock. On slower silicon it may be 13.11 MHz.
-pub const PLL1_Q: u32 = POINT.pll1_q();
+/// The MT9V034's clock, Hz, the other output of the core's PLL. On slower silicon it may be 13.11 MHz.
+pub const SENSORS_HZ: u32 = POINT.pll1_q();
 /// Looks at the crystal until it counts as one that does not start, each some 20 cycles of 64 MHz: 100 ms or more.
 const LOOKS: u32 = 400_000;
 
@@ -90,23 +87,12 @@ impl OperatingPoint {
     const fn pll1_q(self) -> u32 {
         2 * self.mhz * 1_000_000 / self.divq.1
     }
-
-    /// Whether rows are worked on as fast as they come but for what the ring holds, and a frame within nine tenths of its time.
-    const fn keeps_up(self) -> bool {
-        // Times of a row, 1/16 us.
-        let (work, line) = (16 * WIDTH as u32 * WORK / self.mhz, 16 * pair::line_us(self.pll1_q()));
-        let waiting = if work <= line { 0 } else { HEIGHT * (work - line) / work };
-        waiting + 4 <= ROWS && HEIGHT * (work / 16) < 900_000 / FRAME_RATE
-    }
 }
 
-#[expect(clippy::cast_possible_truncation, reason = "a few")]
-const ROWS: u32 = RAW_ROWS as u32;
-
-/// The number of the slowest point that keeps up; the fastest if none does.
+/// The number of the slowest point that keeps up where an instruction takes a cycle; the fastest if none does.
 const fn slowest() -> usize {
     let mut nth = POINTS.len() - 1;
-    while nth > 0 && !POINTS[nth].keeps_up() {
+    while nth > 0 && !keeps_up(INSTRUCTIONS, POINTS[nth].mhz, POINTS[nth].pll1_q()) {
         nth -= 1;
     }
     nth

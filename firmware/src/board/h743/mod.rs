@@ -17,37 +17,24 @@
 //! | UART7 TX, RX | PE8, PE7 | MAVLink, 115,200 baud; RX is not in use | |
 //! | phase, low and high | PE9, PE11 | with the feature `measure`: what the program is doing | |
 
-pub mod camera;
 pub mod clock;
-pub mod cycles;
-pub mod dma_memory;
-pub mod free_bus;
-mod guard;
-pub mod idle;
-mod pace;
+pub mod debugger_port;
+pub mod dma_ring;
+pub mod guard;
 #[cfg(sensor = "hm01b0")]
 pub mod pair_hm01b0;
-#[cfg(sensor = "mt9v034")]
-pub mod pair_mt9v034;
-mod panic;
 pub mod parts;
-pub mod phases;
-pub mod prompt;
 pub mod reset;
-pub mod sensors;
-pub mod serial;
 pub mod start;
-pub mod watchdog;
 
-defmt::timestamp!("{=u64:us}", embassy_time::Instant::now().as_micros());
+/// The camera port's interrupt.
+pub use embassy_stm32::interrupt::typelevel::DCMI as PortInterrupt;
 
-/// The pair of sensors that the rig's wiring asks for.
-#[cfg(sensor = "hm01b0")]
-pub use pair_hm01b0 as pair;
-#[cfg(sensor = "mt9v034")]
-pub use pair_mt9v034 as pair;
-
+/// Raw rows that may wait for the vision task.
+pub const RAW_ROWS: usize = crate::app::ring::RAW_ROWS;
 /// What the log calls it.
 pub const NAME: &str = "board-h743";
-/// Its chip, as probe-rs names it.
-pub const CHIP: &str = env!("HAARLINE_CHIP");
+/// What its chip is called.
+pub const SERIES: &str = "STM32H743";
+/// Its caches.
+pub const CACHES: &str = "instruction cache on, data cache off";

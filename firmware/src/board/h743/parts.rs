@@ -1,8 +1,10 @@
 //! What the application works with, on the pins of this board.
 
 use embassy_stm32::gpio::{Flex, OutputType, Speed};
-use embassy_stm32::peripherals::{DMA1_CH0, DMA1_CH1, DMA1_CH2};
+use embassy_stm32::peripherals::{DMA1_CH0, DMA1_CH1, DMA1_CH2, IWDG1};
 use embassy_stm32::rcc::{Mco, McoConfig};
+#[cfg(sensor = "mt9v034")]
+use embassy_stm32::rcc::{Mco1Source, McoPrescaler};
 use embassy_stm32::time::Hertz;
 use embassy_stm32::timer::low_level::CountingMode;
 use embassy_stm32::timer::simple_pwm::{PwmPin, SimplePwm};
@@ -11,15 +13,18 @@ use embassy_stm32::wdg::IndependentWatchdog;
 use embassy_stm32::{Peripherals, bind_interrupts, dma, i2c};
 use embassy_time::Duration;
 
-use super::camera::{Camera, Pins, PortHandler};
 use super::clock::{CORE, Source};
-use super::dma_memory::DmaCell;
-use super::pair::MASTER_CLOCK;
-use super::sensors::Sensors;
-use super::serial::Serial;
-use super::watchdog::{self, Watchdog};
-use super::{free_bus, phases, start};
+use super::dma_ring::DmaRing;
+#[cfg(sensor = "hm01b0")]
+use super::pair_hm01b0::MASTER_CLOCK;
+use super::start;
 use crate::app::settings::FRAME_RATE;
+use crate::board::camera::{Camera, Pins, PortHandler};
+use crate::board::dma_memory::DmaCell;
+use crate::board::sensors::Sensors;
+use crate::board::serial::Serial;
+use crate::board::watchdog::{self, Watchdog};
+use crate::board::{free_bus, phases};
 use crate::dma_cell;
 
 bind_interrupts!(struct Irqs {
@@ -28,6 +33,15 @@ bind_interrupts!(struct Irqs {
     DMA1_STREAM1 => dma::InterruptHandler<DMA1_CH1>;
     DMA1_STREAM2 => dma::InterruptHandler<DMA1_CH2>;
 });
+
+/// The chip's watchdog.
+pub type WatchdogUnit = IWDG1;
+
+/// The sensors' master clock by the crystal and without it, the same: an output of the core's PLL.
+#[cfg(sensor = "mt9v034")]
+const MASTER_CLOCK: [(Mco1Source, McoPrescaler); 2] = [(Mco1Source::PLL1_Q, McoPrescaler::DIV1); 2];
+/// The number of the camera port's function, on every pin.
+const PORT: u8 = 13;
 
 /// The row packets' port: its clock allows an eighth of it. At 30 frames a second of 320 x 240 px the packets take less than
 /// half of 12 Mbaud.
@@ -102,8 +116,9 @@ impl Parts {
             #[cfg(sensor = "mt9v034")]
             Flex::new(p.PG15),
         ];
-        let pins = Pins::new(data, [Flex::new(p.PA6), Flex::new(p.PA4), Flex::new(p.PG9)]);
-        let camera = Camera::new(p.DCMI, p.DMA1_CH0, Irqs, pins);
+        let sync = [Flex::new(p.PA6), Flex::new(p.PA4), Flex::new(p.PG9)];
+        let pins = Pins::new(data.map(|pin| (pin, PORT)), sync.map(|pin| (pin, PORT)));
+        let camera = Camera::new(p.DCMI, DmaRing::new(p.DMA1_CH0, Irqs), pins);
 
         let mut config = usart::Config::default();
         config.baudrate = ROWS_BAUD;

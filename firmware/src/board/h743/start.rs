@@ -6,8 +6,8 @@ use embassy_stm32::{Peripherals, pac};
 use static_cell::ConstStaticCell;
 
 use super::clock::{self, Source};
-use super::cycles::CycleClock;
 use super::guard;
+use crate::board::cycles::CycleClock;
 
 static CLOCK: ConstStaticCell<CycleClock> = ConstStaticCell::new(CycleClock::new());
 /// What was found: for whoever tells of it later.
@@ -97,4 +97,17 @@ pub fn revision() -> Revision {
 #[must_use]
 pub fn source() -> Source {
     if HAS_CRYSTAL.load(Ordering::Relaxed) { Source::Crystal } else { Source::Internal }
+}
+
+/// The same in words.
+///
+/// # Errors
+/// What is wrong with it.
+pub fn told_source() -> Result<&'static str, &'static str> {
+    match source() {
+        Source::Crystal => Ok(" from the crystal's input, 8 MHz"),
+        Source::Internal => Err(
+            ", but no 8 MHz at the crystal's input: the debugger's part was cut off, or its solder bridges are open",
+        ),
+    }
 }

@@ -16,6 +16,7 @@ use crate::score::evaluation;
 use crate::score::scene::Scene;
 use crate::study::Chip;
 use crate::twin::elf;
+use crate::twin::machine::Machine;
 
 /// Arguments of `haarline power count`.
 #[derive(Debug, clap::Args)]
@@ -31,11 +32,11 @@ pub(in crate::command) struct Args {
         default_value = "teddy,cones,v3q_motorcycle,kitti15_000010"
     )]
     only: Vec<String>,
-    /// The program, as `cargo twin` builds it in target/thumbv7em-none-eabihf/firmware/twin [default: that of the
+    /// The program, as `cargo twin` or `cargo twin-m33` builds it [default: that of the
     /// environment variable HAARLINE_TWIN, or built by cargo if this folder is in Haarline's sources]
     #[arg(long, value_name = "FILE")]
     elf: Option<PathBuf>,
-    /// Where counts.csv and accuracy.csv go, in the sources host-sim/src/power/plan
+    /// Where counts.csv (counts_m33.csv of a program for an505) and accuracy.csv go, in the sources host-sim/src/power/plan
     #[arg(short, long = "output", value_name = "DIR", required_unless_present = "check")]
     output: Option<PathBuf>,
     /// Counts at sizes that are not stored instead, and ends with exit status 1 if one is more than 6.5 % off what haarline power
@@ -56,18 +57,20 @@ impl Args {
             narrow.map_or(0, |scene| scene.pair.width()),
             counting::WIDTH
         );
-        let elf = self.elf.clone().map_or_else(elf::find, Ok)?;
+        let elf = self.elf.clone().map_or_else(|| elf::find(Machine::An386), Ok)?;
+        let chip = Chip::read(&elf)?;
+        let file = counts::file_name(chip.machine.processor());
         let mut claims = Claims::new();
         claims.read(&self.elf);
         read_scenes(&mut claims, &folders);
-        let Some(output) = &self.output else { return self.check(&Chip::read(&elf)?, &scenes) };
-        claims.write_in("-o", output, |name| ["counts.csv", "accuracy.csv"].contains(&name))?;
-        let counts = self.count(&Chip::read(&elf)?, &scenes, &counting::STORED)?;
+        let Some(output) = &self.output else { return self.check(&chip, &scenes) };
+        claims.write_in("-o", output, |name| [file, "accuracy.csv"].contains(&name))?;
+        let counts = self.count(&chip, &scenes, &counting::STORED)?;
         let all = evaluation::load(&scene_folders(&self.scenes, &[])?)?;
         let progress = progress(2 * counting::METHODS.len() * all.len(), "accuracy")?;
         let accuracy = Accuracy::measure(&all, || progress.inc(1));
         progress.finish_and_clear();
-        output::write(&output.join("counts.csv"), &counts::encode(&counts)?)?;
+        output::write(&output.join(file), &counts::encode(&counts)?)?;
         output::write(&output.join("accuracy.csv"), &Accuracy::encode(&accuracy?)?)?;
         print(&format!("{} counts and the accuracy on {} scenes: {}\n", counts.len(), all.len(), output.display()))
     }
@@ -80,7 +83,7 @@ impl Args {
     }
 
     fn check(&self, chip: &Chip, scenes: &[Scene]) -> Result<()> {
-        let model = CostModel::fit(&counts::stored()?)?;
+        let model = CostModel::fit(&counts::stored(chip.machine.processor())?)?;
         let counted = self.count(chip, scenes, &counting::CHECKED)?;
         let errors = check::errors(&model, &counted)?;
         print(&check::text(&errors))?;

@@ -12,7 +12,7 @@ use crate::output;
 use crate::output::claims::Claims;
 use crate::power::plan::accuracy::Accuracy;
 use crate::power::plan::budget::{Battery, Instead, MODEL, Plan, Planner, Point, Request, Smaller};
-use crate::power::plan::cost::CostModel;
+use crate::power::plan::cost::Costs;
 use crate::power::plan::currents::{Board, Currents, SensorModel};
 use crate::power::plan::{comparison, counts, joules};
 use crate::score::report;
@@ -91,9 +91,11 @@ impl Args {
         claims.read(self.currents.iter().chain(&self.counts));
         self.output.as_ref().map_or(Ok(()), |path| claims.write("-o", path))?;
         let currents = self.currents.as_deref().map_or_else(Currents::own, Currents::read)?;
-        let counts = self.counts.as_deref().map_or_else(counts::stored, counts::read)?;
-        let cost = CostModel::fit(&counts)?;
-        let planner = Planner { cost: &cost, currents: &currents };
+        let costs = match &self.counts {
+            Some(path) => Costs::fit(&counts::read(path)?)?,
+            None => Costs::stored()?,
+        };
+        let planner = Planner { costs: &costs, currents: &currents };
         let request = self.request()?;
         if self.table_1 {
             return print(&joules::markdown(&planner, &Accuracy::stored()?, &request)?);

@@ -3,7 +3,7 @@
 use anyhow::Result;
 use serde::Serialize;
 
-use super::cost::{CostModel, InputCost};
+use super::cost::{Costs, InputCost};
 use super::counts::Input;
 use super::currents::{Board, Chip, Currents, OperatingPoint, SensorModel};
 use crate::stereo::method::MethodKind;
@@ -171,7 +171,7 @@ pub const MODEL: &str = "model, not measured";
 #[derive(Debug)]
 pub struct Planner<'a> {
     /// What a pixel costs.
-    pub cost: &'a CostModel,
+    pub costs: &'a Costs,
     /// What chips and sensors take.
     pub currents: &'a Currents,
 }
@@ -192,7 +192,7 @@ impl Planner<'_> {
     fn plan_alone(&self, request: &Request) -> Result<Plan> {
         let Request { board, method, width, height, disparities, fps, .. } = *request;
         let chip = self.currents.chip(board);
-        let cost = |input| self.cost.of(method, input, width, disparities);
+        let cost = |input| self.costs.of(chip.core).of(method, input, width, disparities);
         let inputs = Inputs { clean: cost(Input::Clean)?, noisy: cost(Input::Noisy)?, random: cost(Input::Random)? };
         let every = [inputs.clean, inputs.noisy, inputs.random];
         let instructions = Range {
@@ -342,7 +342,6 @@ impl Point {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::power::plan::counts;
 
     fn request() -> Request {
         Request {
@@ -358,8 +357,8 @@ mod tests {
     }
 
     fn with(act: impl FnOnce(&Planner<'_>)) {
-        let (cost, currents) = (CostModel::fit(&counts::stored().unwrap()).unwrap(), Currents::own().unwrap());
-        act(&Planner { cost: &cost, currents: &currents });
+        let (costs, currents) = (Costs::stored().unwrap(), Currents::own().unwrap());
+        act(&Planner { costs: &costs, currents: &currents });
     }
 
     #[test]

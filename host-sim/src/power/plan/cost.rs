@@ -7,8 +7,9 @@ use anyhow::{Context, Result, ensure};
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 
-use super::counts::{Count, Input};
+use super::counts::{self, Count, Input};
 use crate::stereo::method::MethodKind;
+use crate::twin::cycles::Core;
 
 /// The widest views that were counted, px.
 pub const MOST_WIDTH: u16 = 320;
@@ -130,6 +131,38 @@ impl CostModel {
             mean: Cost { instructions: mean(|cost| cost.instructions), packets: mean(|cost| cost.packets) },
             most: costs.iter().map(|cost| cost.all()).fold(0.0, f64::max),
         })
+    }
+}
+
+/// The models by processor: its program is another where its instructions are.
+#[derive(Debug)]
+pub struct Costs {
+    m4: CostModel,
+    m33: CostModel,
+}
+
+impl Costs {
+    /// Those of the stored counts.
+    ///
+    /// # Errors
+    /// If a file that they are stored in is damaged.
+    pub fn stored() -> Result<Self> {
+        let fit = |core| CostModel::fit(&counts::stored(core)?);
+        Ok(Self { m4: fit(Core::CortexM4)?, m33: fit(Core::CortexM33)? })
+    }
+
+    /// The same counts for every processor.
+    ///
+    /// # Errors
+    /// If they are too few.
+    pub fn fit(counts: &[Count]) -> Result<Self> {
+        Ok(Self { m4: CostModel::fit(counts)?, m33: CostModel::fit(counts)? })
+    }
+
+    /// That of a processor.
+    #[must_use]
+    pub fn of(&self, core: Core) -> &CostModel {
+        if core.is_armv8() { &self.m33 } else { &self.m4 }
     }
 }
 

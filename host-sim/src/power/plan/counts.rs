@@ -8,9 +8,11 @@ use serde::{Deserialize, Serialize};
 
 use crate::input::whole_file;
 use crate::stereo::method::MethodKind;
+use crate::twin::cycles::Core;
 
-/// The stored ones, as `haarline power count` makes them.
+/// The stored ones, as `haarline power count` makes them: of the program for the Cortex-M4 and M7, and of that for the M33.
 const STORED: &str = include_str!("counts.csv");
+const STORED_M33: &str = include_str!("counts_m33.csv");
 
 /// What the cameras see.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -72,12 +74,18 @@ impl Count {
     }
 }
 
-/// The stored counts.
+/// The stored counts of the program for that processor.
 ///
 /// # Errors
 /// If the file that they are stored in is damaged.
-pub fn stored() -> Result<Vec<Count>> {
-    parse(STORED).context("the stored counts")
+pub fn stored(core: Core) -> Result<Vec<Count>> {
+    parse(if core.is_armv8() { STORED_M33 } else { STORED }).context("the stored counts")
+}
+
+/// The file that they are stored in.
+#[must_use]
+pub fn file_name(core: Core) -> &'static str {
+    if core.is_armv8() { "counts_m33.csv" } else { "counts.csv" }
 }
 
 /// Reads counts.

@@ -61,19 +61,17 @@ pub fn markdown(planner: &Planner<'_>, accuracy: &[Accuracy], request: &Request)
     let names = BOARDS.map(|board| planner.currents.chip(board).name.as_str());
     let _ = writeln!(
         text,
-        "| method | instructions/px | {}, nJ/px | mJ/frame | {}, nJ/px | mJ/frame | density, % | bad2, % | tot2, % | tot2 \
-         noisy, % |",
+        "| method | {}, instructions/px | nJ/px | mJ/frame | {}, instructions/px | nJ/px | mJ/frame | density, % | bad2, % | \
+         tot2, % | tot2 noisy, % |",
         names[0], names[1]
     );
-    let _ = writeln!(text, "| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |");
+    let _ = writeln!(text, "| --- |{}", " ---: |".repeat(10));
     let mut sources: Vec<String> = Vec::new();
     for method in METHODS {
         let mut cells = Vec::new();
         for board in BOARDS {
             let plan = planner.plan(&Request { board, method, ..*request })?;
-            if cells.is_empty() {
-                cells.push(format!("{:.0}", plan.instructions_per_pixel.clean.mean.all()));
-            }
+            cells.push(format!("{:.0}", plan.instructions_per_pixel.clean.mean.all()));
             let energy = full_load_nj(planner, &plan);
             cells.push(format!("{:.1} ({:.1} to {:.1})", energy.likely, energy.least, energy.most));
             cells.push(format!("{:.2}", energy.likely * f64::from(width) * f64::from(height) / 1e6));
@@ -117,15 +115,14 @@ pub fn markdown(planner: &Planner<'_>, accuracy: &[Accuracy], request: &Request)
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::power::plan::cost::CostModel;
-    use crate::power::plan::counts;
+    use crate::power::plan::cost::Costs;
     use crate::power::plan::currents::Currents;
     use crate::stereo::method::MethodKind;
 
     #[test]
     fn every_method_and_every_mark_is_told() {
-        let (cost, currents) = (CostModel::fit(&counts::stored().unwrap()).unwrap(), Currents::own().unwrap());
-        let planner = Planner { cost: &cost, currents: &currents };
+        let (costs, currents) = (Costs::stored().unwrap(), Currents::own().unwrap());
+        let planner = Planner { costs: &costs, currents: &currents };
         let request = Request {
             board: Board::H743,
             method: MethodKind::Full,

@@ -7,11 +7,11 @@ use core::panic::PanicInfo;
 use cortex_m::peripheral::SCB;
 use cortex_m_rt::ExceptionFrame;
 
-use super::guard;
+use super::this::{clock, guard};
 use crate::stack;
 
 /// Long enough for a probe to fetch the log, cycles: 50 ms.
-const FETCH: u32 = super::clock::CORE / 20;
+const FETCH: u32 = clock::CORE / 20;
 
 #[panic_handler]
 fn panic(info: &PanicInfo<'_>) -> ! {

@@ -1,8 +1,6 @@
 //! Two MT9V034 with seven data lines each on the port's fourteen, one master clock and one trigger: the reference rig.
 
-use embassy_stm32::rcc::{Mco1Source, McoPrescaler};
-
-use super::clock::PLL1_Q;
+use super::this::clock;
 use crate::app::settings::{FRAME_RATE, HEIGHT, WIDTH};
 use crate::rig::PLAN;
 use crate::sensor::mt9v034::{
@@ -11,10 +9,8 @@ use crate::sensor::mt9v034::{
 
 /// The sensors.
 pub type Model = Mt9v034;
-/// The master clock, the same by the crystal and without it: an output of the core's PLL.
-pub const MASTER_CLOCK: [(Mco1Source, McoPrescaler); 2] = [(Mco1Source::PLL1_Q, McoPrescaler::DIV1); 2];
-/// It, Hz.
-pub const MASTER_HZ: u32 = PLL1_Q;
+/// The master clock, Hz.
+pub const MASTER_HZ: u32 = clock::SENSORS_HZ;
 /// Pixels and lines of a frame on the port: those of the picture.
 pub const WINDOW: [u16; 2] = [WIDTH, PLAN.height];
 /// Bytes that the port takes with a pixel clock.

@@ -1,4 +1,4 @@
-//! The two phase pins: PE9 the low one (D6 on the Nucleo), PE11 the high one (D5). In use with the feature `measure` only.
+//! The two phase pins: PE9 the low one (D6 on both Nucleos), PE11 the high one (D5). In use with the feature `measure` only.
 
 use core::cell::Cell;
 

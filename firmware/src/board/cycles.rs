@@ -13,7 +13,7 @@ use crate::app::statistics::StageTotals;
 /// Where time goes that is no stage's.
 const REST: usize = Stage::COUNT;
 
-/// Counts cycles by stage. The counter wraps around after 9 s at 480 MHz, a stage never lasts as long.
+/// Counts cycles by stage. The counter wraps around after 9 s or more, a stage never lasts as long.
 pub struct CycleClock {
     last: Cell<u32>,
     current: Cell<usize>,

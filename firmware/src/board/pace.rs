@@ -1,16 +1,10 @@
 //! Whether the pipeline keeps up with the sensors of the rig that the program is built for.
 
-use super::clock::CORE;
 use super::pair::LINE_US;
-use crate::app::ring::RAW_ROWS;
-use crate::app::settings::{FRAME_RATE, HEIGHT, METHOD, Method, WIDTH};
+use super::this::RAW_ROWS;
+use super::this::clock::{CORE, CYCLES};
+use crate::app::settings::{FRAME_RATE, HEIGHT, WIDTH};
 
-/// Cycles that a pixel takes with everything, packets and interrupts too, where an instruction takes one: of `full` measured
-/// on the emulated chip (`--profile firmware`), of `lite` less what it saves in the twin.
-const CYCLES: u32 = match METHOD {
-    Method::Full => 180,
-    Method::Lite => 165,
-};
 /// Time of a row, 1/16 us.
 const ROW: u32 = 16 * WIDTH as u32 * CYCLES / (CORE / 1_000_000);
 /// Rows that wait at the end of a frame.
@@ -20,7 +14,7 @@ const SPARE: u32 = 4;
 
 #[expect(clippy::cast_possible_truncation, reason = "a few")]
 const _: () = assert!(
-    WAITING + SPARE <= RAW_ROWS as u32 && RAW_ROWS <= 32,
+    WAITING + SPARE <= RAW_ROWS as u32,
     "HAARLINE_RIG: lines come faster than the method takes them, and more than the ring holds would wait: lower frame_rate_hz"
 );
 const _: () = assert!(

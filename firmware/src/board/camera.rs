@@ -1,26 +1,24 @@
-//! The camera interface: [`Port`] at the registers of DCMI and DMA1, and the rows out of its ring.
+//! The camera interface: [`Port`] at the registers of DCMI and the board's DMA, and the rows out of its ring.
 
 use core::cell::RefCell;
 use core::future::poll_fn;
 use core::task::Poll;
 
 use critical_section::{CriticalSection, Mutex};
-use embassy_stm32::dma::{Channel, InterruptHandler, ReadableRingBuffer, TransferOptions};
 use embassy_stm32::gpio::{AfType, Flex, Pull};
-use embassy_stm32::interrupt::typelevel::{Binding, DCMI, DMA1_STREAM0, Handler, Interrupt};
-use embassy_stm32::peripherals::{self, DMA1_CH0};
-use embassy_stm32::{Peri, dcmi, pac, rcc};
+use embassy_stm32::interrupt::typelevel::{Handler, Interrupt};
+use embassy_stm32::{Peri, pac, peripherals, rcc};
 use embassy_sync::waitqueue::AtomicWaker;
 use heapless::spsc::{Consumer, Producer, Queue};
 use static_cell::ConstStaticCell;
 
-use super::clock::CORE;
-use super::dma_memory::DmaCell;
 use super::pair::{CLOCK_BYTES, WINDOW};
+use super::this::PortInterrupt;
+use super::this::clock::CORE;
+use super::this::dma_ring::{self, DmaRing};
 use crate::app::edge::{RowSource, SourceEvent};
 use crate::app::port::{Events, Flags, Port, PortEvent, PortRegisters, Sync};
 use crate::app::settings::{HEIGHT, WIDTH};
-use crate::dma_cell;
 
 /// Bytes of a line of both sensors, and words.
 const LINE_BYTES: usize = 2 * WINDOW[0] as usize;
@@ -29,7 +27,8 @@ const LINE_WORDS_U32: u32 = WINDOW[0] as u32 / 2;
 const _: () = assert!(LINE_BYTES.is_multiple_of(4) && LINE_WORDS_U32 as usize == LINE_WORDS);
 /// Lines in the ring: those whose events wait, three that came late, the one under way, and one being read.
 const LINES: usize = 16;
-const RING: usize = LINES * LINE_WORDS;
+/// Words of the ring.
+pub(super) const RING: usize = LINES * LINE_WORDS;
 /// Events that wait, of which all but two may be lines.
 const QUEUE: usize = 11;
 
@@ -43,9 +42,6 @@ const FIRST_BYTE: usize = (WINDOW[0] - WIDTH) as usize;
 const PICTURE_BYTES: usize = 2 * WIDTH as usize;
 const FIRST_LINE: u32 = (WINDOW[1] as u32 - HEIGHT) / 2;
 
-type Ring = ReadableRingBuffer<'static, u32>;
-
-static MEMORY: DmaCell<[u32; RING]> = dma_cell!([u32; RING]);
 static EVENTS: ConstStaticCell<Queue<PortEvent, { QUEUE + 1 }>> = ConstStaticCell::new(Queue::new());
 static SERVED: Mutex<RefCell<Option<Served>>> = Mutex::new(RefCell::new(None));
 static WAKER: AtomicWaker = AtomicWaker::new();
@@ -74,10 +70,7 @@ impl PortRegisters for Pac {
     fn take_flags(&mut self) -> Flags {
         let raised = pac::DCMI.ris().read();
         pac::DCMI.icr().write_value(pac::dcmi::regs::Icr(raised.0));
-        let dma_error = pac::DMA1.isr(0).read().teif(0);
-        if dma_error {
-            pac::DMA1.ifcr(0).write(|w| w.set_teif(0, true));
-        }
+        let dma_error = dma_ring::take_error();
         Flags { line: raised.line_ris(), frame: raised.frame_ris(), overrun: raised.ovr_ris(), dma_error }
     }
 
@@ -91,7 +84,7 @@ impl PortRegisters for Pac {
     }
 
     fn ring_position(&self) -> u32 {
-        u32::try_from(RING).unwrap_or(0) - u32::from(pac::DMA1.st(0).ndtr().read().ndt())
+        dma_ring::position()
     }
 
     fn wait(&mut self) {
@@ -120,26 +113,18 @@ impl PortRegisters for Pac {
     }
 }
 
-/// Serves the interrupts of the port and of its DMA, before the HAL, for which a DMA error is a panic.
+/// Serves the interrupts of the port, and those of its DMA that tell of an error.
 pub struct PortHandler;
 
-impl Handler<DCMI> for PortHandler {
+impl Handler<PortInterrupt> for PortHandler {
     #[expect(unsafe_code, reason = "the trait's")]
     unsafe fn on_interrupt() {
         serve();
     }
 }
 
-impl Handler<DMA1_STREAM0> for PortHandler {
-    #[expect(unsafe_code, reason = "the trait's")]
-    unsafe fn on_interrupt() {
-        if pac::DMA1.isr(0).read().teif(0) {
-            serve();
-        }
-    }
-}
-
-fn serve() {
+/// Serves the port.
+pub(super) fn serve() {
     critical_section::with(|cs| {
         with_port(cs, |served| served.port.serve(&mut Pac, &mut served.events));
     });
@@ -152,29 +137,37 @@ fn with_port(cs: CriticalSection<'_>, act: impl FnOnce(&mut Served)) {
     }
 }
 
+/// Words that DMA has stored since the port was started, wrapping around.
+pub fn stored() -> u32 {
+    let mut stored = 0;
+    critical_section::with(|cs| with_port(cs, |served| stored = served.port.stored(&Pac)));
+    stored
+}
+
+/// A pin, and the number of its function as one of the port's.
+pub type Pin = (Flex<'static>, u8);
+
 /// The pins of the port.
 pub struct Pins {
-    /// D0 and those after it, as many as are in use.
-    pub data: [Flex<'static>; DATA],
-    /// Pixel clock, HSYNC, VSYNC.
-    pub sync: [Flex<'static>; 3],
+    _data: [Flex<'static>; DATA],
+    _sync: [Flex<'static>; 3],
 }
 
 impl Pins {
-    /// Gives the pins to the port: alternate function 13, all of them inputs.
+    /// Gives the pins to the port, all of them inputs: D0 and those after it, as many as are in use; pixel clock, HSYNC, VSYNC.
     #[must_use]
-    pub fn new(data: [Flex<'static>; DATA], sync: [Flex<'static>; 3]) -> Self {
-        let mut pins = Self { data, sync };
-        for pin in pins.data.iter_mut().chain(&mut pins.sync) {
-            pin.set_as_af_unchecked(13, AfType::input(Pull::None));
-        }
-        pins
+    pub fn new(data: [Pin; DATA], sync: [Pin; 3]) -> Self {
+        let give = |(mut pin, function): Pin| {
+            pin.set_as_af_unchecked(function, AfType::input(Pull::None));
+            pin
+        };
+        Self { _data: data.map(give), _sync: sync.map(give) }
     }
 }
 
 /// The camera.
 pub struct Camera {
-    ring: Ring,
+    ring: DmaRing,
     events: Consumer<'static, PortEvent>,
     /// Words read since the port's start.
     read: u32,
@@ -189,20 +182,7 @@ impl Camera {
     ///
     /// # Panics
     /// If it is called twice.
-    pub fn new(
-        _port: Peri<'static, peripherals::DCMI>,
-        dma: Peri<'static, DMA1_CH0>,
-        irqs: impl Binding<DMA1_STREAM0, InterruptHandler<DMA1_CH0>> + 'static,
-        pins: Pins,
-    ) -> Self {
-        let request = dcmi::FrameDma::<peripherals::DCMI>::request(&*dma);
-        let memory = MEMORY.take([0; RING]);
-        let from = pac::DCMI.dr().as_ptr().cast::<u32>();
-        #[expect(unsafe_code, reason = "DMA into memory that is the ring's alone")]
-        // SAFETY: the data register stays where it is, and nobody else has the memory.
-        let ring = unsafe {
-            ReadableRingBuffer::new(Channel::new(dma, irqs), request, from, memory, TransferOptions::default())
-        };
+    pub fn new(_port: Peri<'static, peripherals::DCMI>, ring: DmaRing, pins: Pins) -> Self {
         let (events, taken) = EVENTS.take().split();
         let port = Port::new(LINE_WORDS_U32, u32::try_from(RING).unwrap_or(0));
         critical_section::with(|cs| SERVED.borrow_ref_mut(cs).replace(Served { port, events }));
@@ -212,11 +192,11 @@ impl Camera {
     /// Stores from the next frame's start on. What sensors show before they are set up is nobody's.
     pub fn begin(&mut self) {
         self.restart();
-        DCMI::unpend();
+        PortInterrupt::unpend();
         #[expect(unsafe_code, reason = "its handler is ready")]
         // SAFETY: no critical section is built on its mask.
         unsafe {
-            DCMI::enable();
+            PortInterrupt::enable();
         }
     }
 
@@ -231,11 +211,9 @@ impl Camera {
         critical_section::with(|cs| {
             with_port(cs, |_| Pac.stop());
         });
-        self.ring.request_pause();
-        while self.ring.is_running() {}
+        self.ring.stop();
         while self.events.dequeue().is_some() {}
         self.ring.start();
-        self.ring.clear();
         (self.read, self.line) = (0, 0);
         critical_section::with(|cs| with_port(cs, |served| served.port.start(&mut Pac)));
     }
@@ -271,7 +249,7 @@ impl Camera {
     fn fetch(&mut self, words: usize) -> bool {
         let Some(to) = self.line_bytes.get_mut(..words) else { return false };
         self.read = self.read.wrapping_add(u32::try_from(words).unwrap_or(0));
-        matches!(self.ring.read(to), Ok((count, _)) if count == words)
+        self.ring.read(to)
     }
 
     fn lapped(&mut self) -> SourceEvent {

@@ -2,7 +2,7 @@
 
 use embassy_stm32::gpio::{Flex, Pull, Speed};
 
-use super::clock::CORE;
+use super::this::clock::CORE;
 
 /// Half a clock of 100 kHz, cycles.
 const HALF: u32 = CORE / 200_000;

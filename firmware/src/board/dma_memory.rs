@@ -56,12 +56,11 @@ macro_rules! dma_cell {
     ($type:ty) => {{
         #[unsafe(link_section = ".dma")]
         #[expect(unsafe_code, reason = "a section of the linker script")]
-        static MEMORY: $crate::board::this::dma_memory::DmaMemory<$type> =
-            $crate::board::this::dma_memory::DmaMemory::new();
+        static MEMORY: $crate::board::dma_memory::DmaMemory<$type> = $crate::board::dma_memory::DmaMemory::new();
         #[expect(unsafe_code, reason = "the memory's name ends here")]
         // SAFETY: the memory is named in this block alone, and a static is built once.
         unsafe {
-            $crate::board::this::dma_memory::DmaCell::new(&MEMORY)
+            $crate::board::dma_memory::DmaCell::new(&MEMORY)
         }
     }};
 }

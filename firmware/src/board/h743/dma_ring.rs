@@ -1,0 +1,78 @@
+//! The ring that DMA1 fills from the camera port: its counter tells how far it has come.
+
+use embassy_stm32::dma::{Channel, InterruptHandler, ReadableRingBuffer, TransferOptions};
+use embassy_stm32::interrupt::typelevel::{Binding, DMA1_STREAM0, Handler};
+use embassy_stm32::peripherals::{self, DMA1_CH0};
+use embassy_stm32::{Peri, dcmi, pac};
+
+use crate::board::camera::{PortHandler, RING, serve};
+use crate::board::dma_memory::DmaCell;
+use crate::dma_cell;
+
+static MEMORY: DmaCell<[u32; RING]> = dma_cell!([u32; RING]);
+
+/// Where in the ring DMA stores next, words.
+pub fn position() -> u32 {
+    u32::try_from(RING).unwrap_or(0) - u32::from(pac::DMA1.st(0).ndtr().read().ndt())
+}
+
+/// Whether DMA failed since the last look.
+pub fn take_error() -> bool {
+    let has_failed = pac::DMA1.isr(0).read().teif(0);
+    if has_failed {
+        pac::DMA1.ifcr(0).write(|w| w.set_teif(0, true));
+    }
+    has_failed
+}
+
+// Before the HAL, for which an error is a panic.
+impl Handler<DMA1_STREAM0> for PortHandler {
+    #[expect(unsafe_code, reason = "the trait's")]
+    unsafe fn on_interrupt() {
+        if pac::DMA1.isr(0).read().teif(0) {
+            serve();
+        }
+    }
+}
+
+/// The ring.
+pub struct DmaRing(ReadableRingBuffer<'static, u32>);
+
+impl DmaRing {
+    /// Takes the channel. Can be called once.
+    ///
+    /// # Panics
+    /// If it is called twice.
+    pub fn new(
+        dma: Peri<'static, DMA1_CH0>,
+        irqs: impl Binding<DMA1_STREAM0, InterruptHandler<DMA1_CH0>> + 'static,
+    ) -> Self {
+        let request = dcmi::FrameDma::<peripherals::DCMI>::request(&*dma);
+        let memory = MEMORY.take([0; RING]);
+        let from = pac::DCMI.dr().as_ptr().cast::<u32>();
+        #[expect(unsafe_code, reason = "DMA into memory that is the ring's alone")]
+        // SAFETY: the data register stays where it is, and nobody else has the memory.
+        let ring = unsafe {
+            ReadableRingBuffer::new(Channel::new(dma, irqs), request, from, memory, TransferOptions::default())
+        };
+        Self(ring)
+    }
+
+    /// Stops DMA.
+    pub fn stop(&mut self) {
+        self.0.request_pause();
+        while self.0.is_running() {}
+    }
+
+    /// Starts DMA at the ring's first word.
+    pub fn start(&mut self) {
+        self.0.start();
+        self.0.clear();
+    }
+
+    /// Reads the next words; whether they were still there.
+    pub fn read(&mut self, to: &mut [u32]) -> bool {
+        let words = to.len();
+        matches!(self.0.read(to), Ok((count, _)) if count == words)
+    }
+}
