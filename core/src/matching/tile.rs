@@ -223,7 +223,7 @@ impl<C: CellCost, const WORDS: usize> Search<'_, C, WORDS> {
             return self.keep_few(next, if is_down { [None, Some(second)] } else { [Some(second), None] });
         }
         let (before, after) = if is_down { (next, start) } else { (start, next) };
-        self.keep(second, before, after)
+        self.keep_few(second, [Some(before), Some(after)])
     }
 
     /// The extremum step, if it is taken at all, from a label at an end of the range.
@@ -289,7 +289,7 @@ impl<C: CellCost, const WORDS: usize> Search<'_, C, WORDS> {
         other
     }
 
-    /// The same where not both are known.
+    /// The same where not both may be known.
     #[cold]
     #[inline(never)]
     fn keep_few(&self, best: u32, [before, after]: [Option<u32>; 2]) -> Tile {

@@ -12,7 +12,7 @@ use crate::lanes::partners::{Contour, Wanted, cheapest};
 #[cfg(haarline_sse2)]
 use crate::lanes::rows::haar_peaks_of_pairs;
 use crate::lanes::rows::haar_responses;
-use crate::lanes::{ONES, greatest, max, select_ge};
+use crate::lanes::{ONES, greatest, max, select_ge, signed_halved_sum};
 
 /// Marks a tile without a seed on that side.
 const NONE: u16 = u16::MAX;
@@ -53,12 +53,17 @@ impl<const WORDS: usize> TileSeeds<WORDS> {
         let (left, right) = self.contours.split_at_mut(WORDS / 2);
         for ((view, contours), len) in views.into_iter().zip([left, right]).zip(&mut self.len) {
             let rows = [0, 1, 2, 3].map(|y| view.smooth(first + y));
-            let middle = [rows[1], rows[2]];
-            *len = match (strong_noise, tile_row % 2 == 1) {
-                (false, false) => find::<WORDS, 2, false>(middle, words, threshold, contours),
-                (false, true) => find::<WORDS, 2, true>(middle, words, threshold, contours),
-                (true, false) => find::<WORDS, 4, false>(rows, words, threshold, contours),
-                (true, true) => find::<WORDS, 4, true>(rows, words, threshold, contours),
+            let means;
+            let rows = if strong_noise {
+                means = means_of_four(rows, words);
+                means.each_ref()
+            } else {
+                [rows[1], rows[2]]
+            };
+            *len = if tile_row % 2 == 1 {
+                find::<WORDS, true>(rows, words, threshold, contours)
+            } else {
+                find::<WORDS, false>(rows, words, threshold, contours)
             };
         }
     }
@@ -136,10 +141,22 @@ impl<const WORDS: usize> TileSeeds<WORDS> {
     }
 }
 
+/// Two rows whose mean is that of four.
+#[inline(never)]
+fn means_of_four<const WORDS: usize>([a, b, c, d]: [&Row<WORDS>; 4], words: usize) -> [Row<WORDS>; 2] {
+    let mut means = [[0; WORDS]; 2];
+    let [middle, outer] = &mut means;
+    for word in 0..words.min(WORDS) {
+        middle[word] = signed_halved_sum(b[word], c[word]);
+        outer[word] = signed_halved_sum(a[word], d[word]);
+    }
+    means
+}
+
 /// Takes the strongest response of each tile, if it reaches `threshold`; how many there are.
 #[inline(never)]
-fn find<const WORDS: usize, const ROWS: usize, const FALLING: bool>(
-    rows: [&Row<WORDS>; ROWS],
+fn find<const WORDS: usize, const FALLING: bool>(
+    rows: [&Row<WORDS>; 2],
     words: usize,
     threshold: u32,
     contours: &mut [Contour],
@@ -154,11 +171,11 @@ fn find<const WORDS: usize, const ROWS: usize, const FALLING: bool>(
         }
     };
     #[cfg(haarline_sse2)]
-    let done = haar_peaks_of_pairs::<WORDS, ROWS, FALLING>(rows, words, &mut keep);
+    let done = haar_peaks_of_pairs::<WORDS, 2, FALLING>(rows, words, &mut keep);
     #[cfg(not(haarline_sse2))]
     let done = 0;
     let mut column = 8 * done as u32;
-    haar_responses::<WORDS, ROWS, FALLING>(rows, words, done, |[a, b]| {
+    haar_responses::<WORDS, 2, FALLING>(rows, words, done, |[a, b]| {
         let most = greatest(max(a, b));
         let strength = most & 0xff;
         if strength >= threshold {
