@@ -49,7 +49,7 @@ MISTAKES = {
     "no-crystal": (4, r"the crystal does not start: running by the chip's own oscillator"),
 }
 # Frames a second of the reference rig.
-REFERENCE_RATE = 25
+REFERENCE_RATE = 30
 
 
 def run(*command, **options):

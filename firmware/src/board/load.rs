@@ -7,7 +7,7 @@ use crate::rig::{INSTRUCTIONS_FULL, INSTRUCTIONS_LITE};
 
 /// Instructions of a pixel: of the method and its packets, as the twin counts them on noisy frames, and of the program around, as
 /// measured on the emulated chip.
-pub const INSTRUCTIONS: u32 = 56
+pub const INSTRUCTIONS: u32 = 30
     + match METHOD {
         Method::Full => INSTRUCTIONS_FULL,
         Method::Lite => INSTRUCTIONS_LITE,

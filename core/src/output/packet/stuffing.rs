@@ -34,12 +34,14 @@ fn mark(buffer: &mut [u8], begin: usize, end: usize) -> Option<Range<usize>> {
 /// Where the first zero is.
 fn next_zero(bytes: &[u8]) -> Option<usize> {
     let fours = bytes.as_chunks::<4>().0;
-    let has_zero = |four: &[u8; 4]| {
-        let word = u32::from_le_bytes(*four);
-        word.wrapping_sub(0x0101_0101) & !word & 0x8080_8080 != 0
-    };
     let begin = 4 * fours.iter().position(has_zero).unwrap_or(bytes.len() / 4);
     bytes.get(begin..)?.iter().position(|&byte| byte == 0).map(|after| begin + after)
+}
+
+#[inline(always)]
+fn has_zero(four: &[u8; 4]) -> bool {
+    let word = u32::from_le_bytes(*four);
+    word.wrapping_sub(0x0101_0101) & !word & 0x8080_8080 != 0
 }
 
 /// Encodes the bytes from `gap` up to `end` to the beginning of the buffer.
@@ -47,8 +49,19 @@ fn move_up(buffer: &mut [u8], gap: usize, end: usize) -> Option<Range<usize>> {
     // How far it is from the last code to here, and so what to write there. Bytes are written behind
     // those that are read: what was added is never more than the gap.
     let (mut code_at, mut code, mut to) = (0, 1, 1);
-    for from in gap..end {
+    let mut from = gap;
+    while from < end {
+        // Mostly four bytes without a zero.
+        if from + 4 <= end && code <= 250 {
+            let four = *buffer.get(from..)?.first_chunk()?;
+            if !has_zero(&four) {
+                *buffer.get_mut(to..)?.first_chunk_mut()? = four;
+                (from, to, code) = (from + 4, to + 4, code + 4);
+                continue;
+            }
+        }
         let byte = *buffer.get(from)?;
+        from += 1;
         if byte != 0 {
             *buffer.get_mut(to)? = byte;
             to += 1;

@@ -12,8 +12,8 @@ use crate::twin::cycles::Range;
 /// So much of its time a core may be busy: what is left is for interrupts, and for rows that come faster than the mean.
 pub const MOST_BUSY: f64 = 0.9;
 /// Instructions of a pixel that the board's program executes besides the method and its packets: capture, interrupts, obstacles,
-/// messages. Of the emulated STM32H743, where `full` takes 210 a pixel with everything, and 154 in the twin, noisy.
-pub const PROGRAM: f64 = 56.0;
+/// messages. Of the emulated STM32H743, where `full` takes 150 a pixel with everything, and 122 in the twin.
+pub const PROGRAM: f64 = 30.0;
 /// Both.
 const SENSORS: f64 = 2.0;
 
