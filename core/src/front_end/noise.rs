@@ -1,7 +1,7 @@
 //! How noisy the frame is, judged from the rows that came so far.
 
 use crate::front_end::exposure::Gain;
-use crate::lanes::rows::{Mean, second_difference};
+use crate::lanes::rows::{Mean, second_difference, second_difference_of};
 
 const BINS: usize = 64;
 /// Counts are halved here, so that they fit their 16 bits and old rows count less.
@@ -106,13 +106,10 @@ impl RawNoise {
     pub(crate) fn sample(&mut self, views: [[&[u8]; 3]; 2], first: usize, stride: usize, weight: u16) {
         for (histogram, rows) in self.histograms.iter_mut().zip(views) {
             let width = rows.map(<[u8]>::len).into_iter().min().unwrap_or(0);
-            for x in (first.max(1)..width.saturating_sub(1)).step_by(stride) {
-                let across = rows.map(|row| match row.get(x - 1..=x + 1) {
-                    Some(&[before, here, after]) => i32::from(before) - 2 * i32::from(here) + i32::from(after),
-                    _ => 0,
-                });
-                let second = (across[0] - 2 * across[1] + across[2]).unsigned_abs() as usize;
-                histogram.add(second, weight);
+            for x in (first.max(1)..width.saturating_sub(2)).step_by(stride) {
+                let four = |row: &[u8]| row.get(x - 1..x + 3).and_then(<[u8]>::first_chunk).copied();
+                let words = rows.map(|row| four(row).map_or(0, u32::from_le_bytes));
+                histogram.add(second_difference_of(words) as usize, weight);
             }
             histogram.make_room();
         }

@@ -384,7 +384,7 @@ mod cortex_m {
                 e = inout(reg) out => next,
             );
             bits.used += next.offset_from(out).cast_unsigned();
-            state.before = (before + 128) as u8;
+            state.before = u8::try_from(before + 128).unwrap_or(0);
             state.is_steady = table != base;
             at.offset_from(begin).cast_unsigned()
         }

@@ -177,7 +177,12 @@ pub(crate) fn fill(row: &mut [u32], pixels: &[u8], doublings: u32) {
 pub(crate) fn second_difference<const WORDS: usize>(rows: [&[u32; WORDS]; 3], byte: usize) -> u32 {
     assert!(byte + 4 <= 4 * WORDS);
     // SAFETY: checked above.
-    let [a, b, c] = rows.map(|row| unsafe { word(row, byte) } ^ FLIP);
+    second_difference_of(rows.map(|row| unsafe { word(row, byte) } ^ FLIP))
+}
+
+/// The same of the first three columns of four in a word of each row.
+#[inline(always)]
+pub(crate) fn second_difference_of([a, b, c]: [u32; 3]) -> u32 {
     let even = |word, sum| sad_add(word & 0x00ff_00ff, 0, sum);
     let odd = |word: u32| word >> 8 & 0xff;
     let corners = even(a, even(c, 4 * odd(b)));

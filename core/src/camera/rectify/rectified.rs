@@ -142,7 +142,9 @@ impl<M: StereoMethod, const ROWS: usize, const WIDTH: usize, C: StageClock> Ster
         // Noise is that of the rows as they came.
         if let Some((rows, sampling)) = rectifier.newest_three().zip(Sampling::of(rectifier.came())) {
             noise.sample(rows, sampling.first, sampling.stride, sampling.weight);
-            method.take_noise(noise);
+            if rectifier.came() < 16 || rectifier.came().is_multiple_of(8) {
+                method.take_noise(noise);
+            }
         }
         let mut outcome = Ok(());
         rectifier.push(pair, &mut |row| outcome = hand_on(method, after, clock, row.pair, sink))?;

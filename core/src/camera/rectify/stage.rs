@@ -338,7 +338,7 @@ const fn mix_four(above: [u8; RUN], below: [u8; RUN], weight: u32) -> [u8; RUN] 
 /// weights. (As soft as that interpolation would be a half; views that were interpolated before profit from more.)
 const fn softness(place: i32) -> u32 {
     let weight = (place >> 8 & 255).unsigned_abs();
-    weight * (256 - weight) >> 8
+    (weight * (256 - weight)) >> 8
 }
 
 /// Four pixels of three rows mixed, `weight` / 256 of the upper and of the lower one each, at most a quarter.
