@@ -61,8 +61,8 @@ impl Winner {
         self.rival.is_none_or(|rival| rival > self.cost + self.cost * u32::from(ratio) / 100)
     }
 
-    /// How far the least cost lies below its rival, in 43rds of the rival's cost, rounded down: [`GUESS`] for an equal
-    /// rival, [`MOST_DOUBTFUL`] for a perfect match without an equal and for a winner without rivals.
+    /// How far the least cost lies below its rival, in 43rds of the rival's cost, rounded down: `GUESS` for an equal
+    /// rival, `MOST_DOUBTFUL` for a perfect match without an equal and for a winner without rivals.
     pub fn confidence(&self) -> u8 {
         let Some(rival) = self.rival else { return MOST_DOUBTFUL };
         let lead = rival.saturating_sub(self.cost);
