@@ -92,7 +92,9 @@ fn spawn(spawner: Spawner, clock: Clock, parts: Parts) {
     prompt.spawn(capture_task(parts.camera, raw_to).unwrap());
     prompt.spawn(results_task(results_from, parts.rows).unwrap());
     prompt.spawn(autopilot_task(parts.mavlink).unwrap());
-    spawner.spawn(vision_task(clock, behind_offset(clock), setup, raw_from, results_to, parts.watchdog).unwrap());
+    let method = method(clock);
+    spawner
+        .spawn(vision_task(clock, behind_offset(method, clock), setup, raw_from, results_to, parts.watchdog).unwrap());
     spawner.spawn(sensors_task(parts.sensors).unwrap());
     spawner.spawn(statistics_task(clock).unwrap());
 }
@@ -113,15 +115,16 @@ fn result_ring() -> &'static mut [ResultRows; RESULT_PAIRS] {
 #[inline(never)]
 fn method(clock: Clock) -> Result<&'static mut dyn StereoMethod, ConfigError> {
     Ok(match settings::METHOD {
-        Method::Full => METHOD_FULL.init(Full::timed(settings::CONFIG, clock)?),
-        Method::Lite => METHOD_LITE.init(Lite::timed(settings::CONFIG, clock)?),
+        Method::Full => METHOD_FULL.uninit().write(Full::timed(settings::CONFIG, clock)?),
+        Method::Lite => METHOD_LITE.uninit().write(Lite::timed(settings::CONFIG, clock)?),
     })
 }
 
-/// Builds it behind rectification.
-fn behind_offset(clock: Clock) -> &'static mut Behind {
-    match method(clock).and_then(|method| Rectified::timed(method, PLAN.height, PLAN.rectification, clock)) {
-        Ok(behind) => BEHIND.init(behind),
+/// Puts it behind rectification.
+#[inline(never)]
+fn behind_offset(method: Result<&'static mut dyn StereoMethod, ConfigError>, clock: Clock) -> &'static mut Behind {
+    match method.and_then(|method| Rectified::timed(method, PLAN.height, PLAN.rectification, clock)) {
+        Ok(behind) => BEHIND.uninit().write(behind),
         Err(error) => defmt::panic!("the rig: {}", defmt::Display2Format(&error)),
     }
 }
