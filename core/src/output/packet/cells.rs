@@ -125,45 +125,38 @@ const fn columns(far: i32) -> [i32; 4] {
 /// confidence, or if something in them is unknown: then they are none of a method that answers in cells.
 pub(super) fn write(upper: DisparityRow<'_>, lower: DisparityRow<'_>, room: &mut [u8]) -> Option<usize> {
     let mut bits = Bits::new(room.as_chunks_mut().0);
-    write_sure([upper.confidence, lower.confidence], &mut bits)?;
-    write_disparities([upper.disparity, lower.disparity], &mut bits)?;
+    let sure = [upper.confidence, lower.confidence];
+    let mut state = Confidences { before: 0, is_steady: false };
+    let put = |rows, state: &mut _, bits: &mut _| put_confidences(rows, &CONFIDENCES, state, bits);
+    write_cells(sure, &mut state, &mut bits, put, write_confidences)?;
+    let mut state = Disparities { before: 0, down: 1 };
+    let put = |rows, state: &mut _, bits: &mut _| put_disparities(rows, &DISPARITIES, state, bits);
+    write_cells([upper.disparity, lower.disparity], &mut state, &mut bits, put, write_odd)?;
     bits.finish()
 }
 
-/// The confidences of both rows, if they are the same.
-fn write_sure(rows: [&[u8]; 2], bits: &mut Bits<'_>) -> Option<()> {
-    let mut state = Confidences { before: 0, is_steady: false };
+/// All cells of two rows: by `put` those that have codes, one after the other, by `write` those that may have none.
+#[inline(always)]
+fn write_cells<'a, 'r, T: Copy, S>(
+    rows: [&'a [T]; 2],
+    state: &mut S,
+    bits: &mut Bits<'r>,
+    put: impl Fn([&'a [[T; 4]]; 2], &mut S, &mut Bits<'r>) -> usize,
+    write: impl Fn([[T; 4]; 2], &mut S, &mut Bits<'r>) -> Option<()>,
+) -> Option<()> {
     let [(mut upper, upper_rest), (mut lower, lower_rest)] = rows.map(|row| row.as_chunks::<4>());
-    let rest = filled_up(upper_rest).zip(filled_up(lower_rest));
+    let last = filled_up(upper_rest).zip(filled_up(lower_rest));
     loop {
-        let done = put_confidences([upper, lower], &CONFIDENCES, &mut state, bits);
+        let done = put([upper, lower], state, bits);
         (upper, lower) = (upper.get(done..)?, lower.get(done..)?);
         let Some(((&upper_cell, upper_rest), (&lower_cell, lower_rest))) = upper.split_first().zip(lower.split_first())
         else {
             break;
         };
-        write_confidences([upper_cell, lower_cell], &mut state, bits)?;
+        write([upper_cell, lower_cell], state, bits)?;
         (upper, lower) = (upper_rest, lower_rest);
     }
-    rest.map_or(Some(()), |(upper, lower)| write_confidences([upper, lower], &mut state, bits))
-}
-
-/// The disparities of both rows.
-fn write_disparities(rows: [&[Disparity]; 2], bits: &mut Bits<'_>) -> Option<()> {
-    let mut state = Disparities { before: 0, down: 1 };
-    let [(mut upper, upper_rest), (mut lower, lower_rest)] = rows.map(|row| row.as_chunks::<4>());
-    let rest = filled_up(upper_rest).zip(filled_up(lower_rest));
-    loop {
-        let done = put_disparities([upper, lower], &DISPARITIES, &mut state, bits);
-        (upper, lower) = (upper.get(done..)?, lower.get(done..)?);
-        let Some(((&upper_cell, upper_rest), (&lower_cell, lower_rest))) = upper.split_first().zip(lower.split_first())
-        else {
-            break;
-        };
-        write_odd(&Cell::of(words_of(upper_cell), words_of(lower_cell)), &mut state, bits)?;
-        (upper, lower) = (upper_rest, lower_rest);
-    }
-    rest.map_or(Some(()), |(upper, lower)| write_odd(&Cell::of(words_of(upper), words_of(lower)), &mut state, bits))
+    last.map_or(Some(()), |(upper, lower)| write([upper, lower], state, bits))
 }
 
 /// The two rows of a cell, and what the lower one has more.
@@ -217,7 +210,8 @@ const fn down_index(rise: i32) -> usize {
 
 /// A cell of which not everything may have a code.
 #[inline(never)]
-fn write_odd(cell: &Cell, state: &mut Disparities, bits: &mut Bits<'_>) -> Option<()> {
+fn write_odd([upper, lower]: [[Disparity; 4]; 2], state: &mut Disparities, bits: &mut Bits<'_>) -> Option<()> {
+    let cell = Cell::of(words_of(upper), words_of(lower));
     if has_unknown(cell.upper) || has_unknown(cell.lower) {
         return None;
     }
