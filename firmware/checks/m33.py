@@ -7,12 +7,8 @@ usage: firmware/checks/m33.py HAARLINE ELF DATA
 HAARLINE is the host's program, ELF the twin for the M33 (cargo twin-m33), DATA the folder with qvga and stereoboard.
 """
 
-import sys
-import tempfile
-from pathlib import Path
-
-from twin import FAULTS, SCENE, TAKE, Twin, fault, recording, repeatable, rig, scene
-from verdicts import expect, run_all
+from twin import FAULTS, SCENE, TAKE, fault, main, recording, repeatable, rig, scene
+from verdicts import expect
 
 SCENES = [SCENE, "cones", "v3q_motorcycle", "kitti15_000010"]
 METHODS = ["full", "lite", "wavelet-block"]
@@ -39,13 +35,4 @@ def checks(twin):
         yield f"fault {kind}: counted, and the other frames as without it", lambda k=kind: fault(twin, k)
 
 
-def main():
-    if len(sys.argv) != 4:
-        sys.exit(__doc__.strip())
-    haarline, elf, data = (Path(argument).resolve() for argument in sys.argv[1:])
-    with tempfile.TemporaryDirectory() as folder:
-        failed = run_all(checks(Twin(haarline, elf, data, Path(folder))))
-    sys.exit(1 if failed else 0)
-
-
-main()
+main(checks, __doc__)

@@ -216,9 +216,10 @@ def checks(twin):
     yield f"{LONG_RUN} frames: none lost, no drift, the same stack", lambda: endurance(twin)
 
 
-def main():
+def main(checks, usage):
+    """Runs the checks of the twin that the arguments name."""
     if len(sys.argv) != 4:
-        sys.exit(__doc__.strip())
+        sys.exit(usage.strip())
     haarline, elf, data = (Path(argument).resolve() for argument in sys.argv[1:])
     with tempfile.TemporaryDirectory() as folder:
         failed = run_all(checks(Twin(haarline, elf, data, Path(folder))))
@@ -226,4 +227,4 @@ def main():
 
 
 if __name__ == "__main__":
-    main()
+    main(checks, __doc__)
