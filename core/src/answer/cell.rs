@@ -13,7 +13,7 @@ pub(crate) mod quad;
 use crate::lanes::{add, difference, least, limited_to_byte, quotient, select_ge, splat, zero_lane_bits};
 
 /// Greatest margin that counts.
-const MOST_MARGIN: u32 = 64;
+pub(crate) const MOST_MARGIN: u32 = 64;
 /// What is added to [`Cell::value`], so that it is never negative.
 pub(crate) const HALF: u32 = 128;
 

@@ -57,8 +57,8 @@ impl Floor {
         let is_noisy = noise.level >= SmoothingLevel::Medium;
         let floor = if is_noisy { floor / 2 } else { floor };
         let sure = match (noise.level, agreement) {
-            (SmoothingLevel::Off, true) => 120,
-            (SmoothingLevel::Light, true) => 134,
+            (SmoothingLevel::Off, true) => 119,
+            (SmoothingLevel::Light, true) => 136,
             (SmoothingLevel::Medium, true) => 148 + 7 * floor / 20,
             (SmoothingLevel::Strong, true) => 180,
             (SmoothingLevel::Off, false) => 110,
@@ -108,23 +108,33 @@ impl<const WORDS: usize> Sums<WORDS> {
     /// Where a row repeats itself, asks the right view, too: of a bar beside something nearer the left view may not show the
     /// next one. What the right view shows nearer or farther by the distance of like contours, within the search, looks like
     /// the answer as well as it fits.
-    #[inline(never)]
     fn doubt_rivals(&mut self, config: &Config, windows: &CellWindows<'_, WORDS>, sums: &mut CellSums<WORDS>) {
         let distance = windows.distance.cast_signed();
-        for step in [-distance, distance] {
-            let mut rivals = [0; WORDS];
-            for (cell, (rival, &label)) in rivals.iter_mut().zip(windows.labels).enumerate() {
-                let other = i32::from(label) + step;
-                let is_searched = (0..i32::from(config.num_disparities)).contains(&other);
-                // Where there is none it is the answer itself.
-                *rival = if is_searched && windows.is_inside(cell, other) { other as u8 } else { label };
-            }
-            let labels = &rivals[..windows.labels.len()];
-            CellWindows { labels, ..*windows }.sum_fits(sums);
-            let cells = self.like.iter_mut().zip(&sums.fit).zip(labels.iter().zip(windows.labels));
-            for ((like, &fit), (rival, label)) in cells {
-                *like = if rival == label { *like } else { fit.min(*like) };
-            }
+        self.doubt_rivals_at(config, windows, sums, -distance);
+        self.doubt_rivals_at(config, windows, sums, distance);
+    }
+
+    /// The same of those so much nearer.
+    #[inline(never)]
+    fn doubt_rivals_at(
+        &mut self,
+        config: &Config,
+        windows: &CellWindows<'_, WORDS>,
+        sums: &mut CellSums<WORDS>,
+        step: i32,
+    ) {
+        let mut rivals = [0; WORDS];
+        for (cell, (rival, &label)) in rivals.iter_mut().zip(windows.labels).enumerate() {
+            let other = i32::from(label) + step;
+            let is_searched = (0..i32::from(config.num_disparities)).contains(&other);
+            // Where there is none it is the answer itself.
+            *rival = if is_searched && windows.is_inside(cell, other) { other as u8 } else { label };
+        }
+        let labels = &rivals[..windows.labels.len()];
+        CellWindows { labels, ..*windows }.sum_fits(sums);
+        let cells = self.like.iter_mut().zip(&sums.fit).zip(labels.iter().zip(windows.labels));
+        for ((like, &fit), (rival, label)) in cells {
+            *like = if rival == label { *like } else { fit.min(*like) };
         }
     }
 }

@@ -61,12 +61,21 @@ impl NoiseHistogram {
     #[inline(always)]
     fn make_room(&mut self) {
         if self.total >= FULL {
-            self.total = 0;
-            for bin in &mut self.bins {
-                *bin /= 2;
-                self.total += *bin;
-            }
+            self.halve();
         }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn halve(&mut self) {
+        // Of a length that the compiler does not see, so that it is not written out for each bin.
+        let bins = core::hint::black_box(&mut self.bins[..]);
+        let mut total = 0;
+        for bin in bins {
+            *bin /= 2;
+            total += *bin;
+        }
+        self.total = total;
     }
 
     /// The value that `percent` of the pixels do not reach, interpolated, in 1/16 grey level.

@@ -148,15 +148,6 @@ pub(crate) fn limited_to_byte(number: i32) -> u32 {
     result
 }
 
-/// `word >> 8`, at most 255; the word is below 2^31.
-#[inline(always)]
-pub(crate) fn saturated_byte(word: u32) -> u32 {
-    let result;
-    // SAFETY: works on registers only.
-    unsafe { asm!("usat {}, #8, {}, asr #8", lateout(reg) result, in(reg) word, options(pure, nomem, nostack)) };
-    result
-}
-
 /// Each of two 16-bit halves, below 2^15, at most 255.
 #[inline(always)]
 pub(crate) fn saturated_halves(word: u32) -> u32 {

@@ -224,6 +224,139 @@ pub(crate) unsafe fn tile_sad_words<const WORDS: usize>(left: *const u32, right:
     [a, b, c, d]
 }
 
+/// Two cells, one beside the other, at three windows of the right view: the second cell's sums, moved up, and the first one's.
+macro_rules! two_cells_thrice {
+    ($a:literal, $b:literal, $c:literal, $y:literal, $next:literal) => {
+        concat!(
+            "ldr {x}, [{l}, #",
+            $y,
+            " + 4]\n",
+            "ldr {t}, [{r}, #",
+            $y,
+            " + 4]\n usad8 ",
+            $a,
+            ", {x}, {t}\n",
+            "ldr {t}, [{r}, #",
+            $y,
+            " + 5]\n usad8 ",
+            $b,
+            ", {x}, {t}\n",
+            "ldr {t}, [{r}, #",
+            $y,
+            " + 6]\n usad8 ",
+            $c,
+            ", {x}, {t}\n",
+            "ldr {x}, [{l}, #",
+            $next,
+            " + 4]\n",
+            "ldr {t}, [{r}, #",
+            $next,
+            " + 4]\n usada8 ",
+            $a,
+            ", {x}, {t}, ",
+            $a,
+            "\n",
+            "ldr {t}, [{r}, #",
+            $next,
+            " + 5]\n usada8 ",
+            $b,
+            ", {x}, {t}, ",
+            $b,
+            "\n",
+            "ldr {t}, [{r}, #",
+            $next,
+            " + 6]\n usada8 ",
+            $c,
+            ", {x}, {t}, ",
+            $c,
+            "\n",
+            "lsl ",
+            $a,
+            ", ",
+            $a,
+            ", #16\n lsl ",
+            $b,
+            ", ",
+            $b,
+            ", #16\n lsl ",
+            $c,
+            ", ",
+            $c,
+            ", #16\n",
+            "ldr {x}, [{l}, #",
+            $y,
+            "]\n",
+            "ldr {t}, [{r}, #",
+            $y,
+            "]\n usada8 ",
+            $a,
+            ", {x}, {t}, ",
+            $a,
+            "\n",
+            "ldr {t}, [{r}, #",
+            $y,
+            " + 1]\n usada8 ",
+            $b,
+            ", {x}, {t}, ",
+            $b,
+            "\n",
+            "ldr {t}, [{r}, #",
+            $y,
+            " + 2]\n usada8 ",
+            $c,
+            ", {x}, {t}, ",
+            $c,
+            "\n",
+            "ldr {x}, [{l}, #",
+            $next,
+            "]\n",
+            "ldr {t}, [{r}, #",
+            $next,
+            "]\n usada8 ",
+            $a,
+            ", {x}, {t}, ",
+            $a,
+            "\n",
+            "ldr {t}, [{r}, #",
+            $next,
+            " + 1]\n usada8 ",
+            $b,
+            ", {x}, {t}, ",
+            $b,
+            "\n",
+            "ldr {t}, [{r}, #",
+            $next,
+            " + 2]\n usada8 ",
+            $c,
+            ", {x}, {t}, ",
+            $c,
+        )
+    };
+}
+
+/// [`tile_sads_around`](super::rows::tile_sads_around).
+///
+/// # Safety
+/// The left view must be readable for two words, the right one for ten bytes in each of the four rows, `WORDS` words apart;
+/// there may be [`MOST_TILE_SAD_WORDS`] words at most.
+#[inline(always)]
+pub(crate) unsafe fn tile_sads_around_words<const WORDS: usize>(left: *const u32, right: *const u8) -> [[u32; 2]; 3] {
+    let (a, b, c, d, e, f);
+    // SAFETY: reads what the caller promises.
+    unsafe {
+        asm!(
+            two_cells_thrice!("{a}", "{b}", "{c}", "0", "{one}"),
+            two_cells_thrice!("{d}", "{e}", "{f}", "{two}", "{three}"),
+            l = in(reg) left, r = in(reg) right, a = out(reg) a, b = out(reg) b, c = out(reg) c,
+            d = out(reg) d, e = out(reg) e, f = out(reg) f, x = out(reg) _, t = out(reg) _,
+            one = const { tile_sad_offset(WORDS) }, two = const { 2 * tile_sad_offset(WORDS) },
+            three = const { 3 * tile_sad_offset(WORDS) },
+            options(pure, readonly, nostack, preserves_flags)
+        );
+    }
+    [[a, d], [b, e], [c, f]]
+}
+
 /// Works out the sums of trials, of which the labels are known, at the windows of eight columns so many bytes before `origin`.
 ///
 /// # Safety

@@ -125,13 +125,6 @@ pub(crate) fn limited_to_byte(number: i32) -> u32 {
     number.clamp(0, 255).cast_unsigned()
 }
 
-/// `word >> 8`, at most 255 (USAT).
-#[inline(always)]
-pub(crate) const fn saturated_byte(word: u32) -> u32 {
-    let word = word >> 8;
-    if word > 255 { 255 } else { word }
-}
-
 /// Each of two 16-bit halves, below 2^15, at most 255 (USAT16).
 #[inline(always)]
 pub(crate) const fn saturated_halves(word: u32) -> u32 {

@@ -282,6 +282,29 @@ fn tile_sad_by_words<const BLOCKS: usize>(
     sums
 }
 
+/// [`tile_sad`] at three windows, each a byte further right; the two cells of either row of cells in a word.
+///
+/// - `left`: first word of the tile; `right`: first byte of the first window.
+#[inline(always)]
+pub(crate) fn tile_sads_around<const BLOCKS: usize>(
+    left_rows: &[[u32; BLOCKS]; 4],
+    left: usize,
+    right_rows: &[[u32; BLOCKS]; 4],
+    right: usize,
+) -> [[u32; 2]; 3] {
+    assert!(left + 2 <= BLOCKS && right + 10 <= 4 * BLOCKS);
+    #[cfg(haarline_dsp)]
+    if BLOCKS <= super::MOST_TILE_SAD_WORDS {
+        let (first, other) = (left_rows.as_flattened().as_ptr(), right_rows.as_flattened().as_ptr());
+        // SAFETY: checked above; the four rows lie one behind the other.
+        return unsafe { super::tile_sads_around_words::<BLOCKS>(first.add(left), other.cast::<u8>().add(right)) };
+    }
+    [0, 1, 2].map(|step| {
+        let [a, b, c, d] = tile_sad(left_rows, left, right_rows, right + step);
+        [a | b << 16, c | d << 16]
+    })
+}
+
 /// Sum of absolute differences of windows of 4 x 2 columns, that begin at any byte. All rows must be equally long.
 #[inline(always)]
 pub(crate) fn window_sad(left_rows: [&[u32]; 2], left: usize, right_rows: [&[u32]; 2], right: usize) -> u32 {

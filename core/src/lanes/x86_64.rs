@@ -93,12 +93,6 @@ pub(crate) fn limited_to_byte(number: i32) -> u32 {
     number.clamp(0, 255).cast_unsigned()
 }
 
-/// `word >> 8`, at most 255; the word is below 2^31.
-#[inline(always)]
-pub(crate) fn saturated_byte(word: u32) -> u32 {
-    (word >> 8).min(255)
-}
-
 /// Each of two 16-bit halves, below 2^15, at most 255.
 #[inline(always)]
 pub(crate) fn saturated_halves(word: u32) -> u32 {

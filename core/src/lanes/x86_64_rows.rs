@@ -292,6 +292,13 @@ mod tests {
                 };
                 let expected = [cell(0, 0), cell(4, 0), cell(0, 2), cell(4, 2)];
                 assert_eq!(rows::tile_sad(&left, at, &right, byte_at), expected);
+                if byte_at + 10 <= 4 * WORDS {
+                    let around = rows::tile_sads_around(&left, at, &right, byte_at);
+                    for (step, cells) in around.into_iter().enumerate() {
+                        let [a, b, c, d] = rows::tile_sad(&left, at, &right, byte_at + step);
+                        assert_eq!(cells, [a | b << 16, c | d << 16]);
+                    }
+                }
                 let sum = rows::Window::of(&[a, b], 4 * at).sad(&[e, a], byte_at);
                 assert_eq!(sum, expected[0] + expected[1]);
             }

@@ -24,6 +24,12 @@ impl Penalties {
         Self { slope, jump: splat(jump) }
     }
 
+    /// What a change by one costs.
+    #[inline(always)]
+    pub(crate) const fn slope(self) -> u32 {
+        self.slope
+    }
+
     /// What a change by more than one costs, in each lane.
     #[cfg(haarline_dsp)]
     pub(crate) const fn jump(self) -> u32 {

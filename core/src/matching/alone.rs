@@ -26,6 +26,12 @@ impl Alone {
         Self { left: [u32::MAX; 2] }
     }
 
+    /// Passes over a tile whose cells are decided, the right ones to have these labels.
+    #[inline(always)]
+    pub(crate) const fn pass(&mut self, labels: [u32; 2]) {
+        self.left = labels;
+    }
+
     /// Decides the cells of a tile, the upper and the lower ones.
     ///
     /// - `above`: what the cells above took; more than 255 where there is none.

@@ -8,5 +8,6 @@ pub(crate) mod block_search;
 pub mod extremum;
 pub(crate) mod pairing;
 pub(crate) mod path;
+pub(crate) mod settled;
 pub(crate) mod tile;
 pub(crate) mod tile_seed;

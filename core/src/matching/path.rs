@@ -20,31 +20,54 @@ use crate::lanes::{decide_column, decide_pending};
 #[cfg(not(haarline_dsp))]
 use crate::matching::agreement::normalised;
 use crate::matching::agreement::{Penalties, extend};
+use crate::matching::settled::SettledTile;
 use crate::matching::tile::Tile;
 
 /// What a row of tiles knows of itself and of the one above.
 #[derive(Debug, Clone)]
 pub struct Paths<const WORDS: usize> {
     columns: [Column; WORDS],
+    /// Of each tile, whether it is settled and whether the one above it is.
+    settled: [bool; WORDS],
 }
+
+/// The columns of a tile, and whether it and the one above it are settled.
+type TileColumns<'a> = (&'a mut [Column; 2], &'a mut [bool; 2]);
 
 impl<const WORDS: usize> Paths<WORDS> {
     pub(crate) const fn new() -> Self {
-        Self { columns: [Column::EMPTY; WORDS] }
+        Self { columns: [Column::EMPTY; WORDS], settled: [false; WORDS] }
     }
 
     /// Takes what the search found of a tile.
     #[inline(always)]
-    pub(crate) fn set(&mut self, tile: usize, found: Tile) {
-        if let Some([first, second]) = self.columns.as_chunks_mut::<2>().0.get_mut(tile) {
-            first.labels = found.labels;
-            let [a, b, c, d] = found.costs;
-            (first.costs, second.costs) = ([a, c], [b, d]);
-        }
+    pub(crate) fn set(&mut self, tile: usize, found: &Tile) {
+        let Some(([first, second], settled)) = self.tile(tile) else { return };
+        settled[0] = false;
+        first.labels = found.labels;
+        let [a, b, c, d] = found.costs;
+        (first.costs, second.costs) = ([a, c], [b, d]);
     }
 
-    fn tiles(&mut self, tiles: usize) -> &mut [[Column; 2]] {
-        &mut self.columns.as_chunks_mut::<2>().0[..tiles]
+    /// Takes a settled tile, whose path sums are known.
+    #[inline(always)]
+    pub(crate) fn set_settled(&mut self, tile: usize, penalties: Penalties, found: &SettledTile) {
+        let Some(([first, second], settled)) = self.tile(tile) else { return };
+        settled[0] = true;
+        first.labels = found.labels();
+        let [[a, b], [c, d]] = found.told(penalties);
+        (first.costs, second.costs) = ([a, c], [b, d]);
+        (first.along, second.along) = ([a, c].map(|sums| add(sums, sums)), [b, d].map(|sums| add(sums, sums)));
+    }
+
+    #[inline(always)]
+    fn tile(&mut self, tile: usize) -> Option<TileColumns<'_>> {
+        self.columns.as_chunks_mut::<2>().0.get_mut(tile).zip(self.settled.as_chunks_mut::<2>().0.get_mut(tile))
+    }
+
+    fn tiles(&mut self, tiles: usize) -> impl DoubleEndedIterator<Item = TileColumns<'_>> {
+        let columns = &mut self.columns.as_chunks_mut::<2>().0[..tiles];
+        columns.iter_mut().zip(&mut self.settled.as_chunks_mut::<2>().0[..tiles])
     }
 
     /// The paths from the left.
@@ -61,8 +84,13 @@ impl<const WORDS: usize> Paths<WORDS> {
     fn pass_by_words<const LEFTWARDS: bool>(&mut self, tiles: usize, penalties: Penalties) {
         let mut sums = [0; 2];
         let mut before = None;
-        let mut pass = |pair: &mut [Column; 2]| {
+        let mut pass = |(pair, &mut [is_settled, _]): TileColumns<'_>| {
             let labels = pair[0].labels;
+            if is_settled {
+                sums = pair[usize::from(!LEFTWARDS)].costs;
+                before = Some(labels);
+                return;
+            }
             let steps = penalties.steps(labels);
             let mut messages = match before {
                 Some(before) if before != labels => penalties.both_other_labels(sums, before, labels),
@@ -80,9 +108,9 @@ impl<const WORDS: usize> Paths<WORDS> {
             }
         };
         if LEFTWARDS {
-            self.tiles(tiles).iter_mut().rev().for_each(&mut pass);
+            self.tiles(tiles).rev().for_each(&mut pass);
         } else {
-            self.tiles(tiles).iter_mut().for_each(&mut pass);
+            self.tiles(tiles).for_each(&mut pass);
         }
     }
 
@@ -113,7 +141,7 @@ impl<const WORDS: usize> Paths<WORDS> {
         self.pass_leftwards(tiles, penalties);
         let [above_row, upper_row, lower_row] = rows;
         if is_first {
-            self.tiles(tiles).iter_mut().flatten().for_each(|column| column.from_top = 0);
+            self.tiles(tiles).flat_map(|(pair, _)| pair).for_each(|column| column.from_top = 0);
         } else {
             self.decide_above(tiles, penalties, above_row);
         }
@@ -125,7 +153,10 @@ impl<const WORDS: usize> Paths<WORDS> {
     fn decide_above(&mut self, tiles: usize, penalties: Penalties, row: &mut CellRow<WORDS>) {
         let cells = row.tiles(tiles);
         let cells = cells.value.iter_mut().zip(cells.label).zip(cells.merit);
-        for (pair, ((value, label), merit)) in self.tiles(tiles).iter_mut().zip(cells) {
+        for ((pair, &mut [is_settled, is_above_settled]), ((value, label), merit)) in self.tiles(tiles).zip(cells) {
+            if is_settled && is_above_settled {
+                continue;
+            }
             let (labels, above) = (pair[0].labels, pair[1].labels);
             let steps = penalties.steps(above);
             let upper = [pair[0].along[0], pair[1].along[0]];
@@ -142,6 +173,9 @@ impl<const WORDS: usize> Paths<WORDS> {
             for half in 0..2 {
                 let column = &mut pair[half];
                 column.from_top = from_above[half];
+                if is_above_settled {
+                    continue;
+                }
                 (value[half], label[half], merit[half]) = decide_pending(column, above, steps.both(), from_below[half]);
             }
         }
@@ -152,9 +186,14 @@ impl<const WORDS: usize> Paths<WORDS> {
     fn decide(&mut self, tiles: usize, penalties: Penalties, upper: &mut CellRow<WORDS>, lower: &mut CellRow<WORDS>) {
         let cells = upper.tiles(tiles);
         let cells = cells.value.iter_mut().zip(cells.label).zip(cells.merit).zip(lower.tiles(tiles).label);
-        for (pair, (((value, upper_label), merit), lower_label)) in self.tiles(tiles).iter_mut().zip(cells) {
+        for ((pair, settled), (((value, upper_label), merit), lower_label)) in self.tiles(tiles).zip(cells) {
             let labels = pair[0].labels;
             pair[1].labels = labels;
+            settled[1] = settled[0];
+            if settled[0] {
+                pair.iter_mut().for_each(|column| column.from_top = column.costs[1]);
+                continue;
+            }
             let steps = penalties.steps(labels);
             for half in 0..2 {
                 let found = decide(&mut pair[half], penalties, steps);

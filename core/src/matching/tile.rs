@@ -10,8 +10,17 @@
 
 use crate::Config;
 use crate::front_end::camera_view::Row;
+use crate::lanes::rows::tile_sads_around;
 use crate::lanes::trials::{Trial, Trials};
-use crate::lanes::{saturated_byte, saturated_halves};
+use crate::lanes::{saturated_halves, splat_half};
+use crate::matching::settled::SettledTile;
+
+/// By how much the sum of a tile must be less than those a step beside it.
+const CLEAR: u32 = 8;
+/// A label whose sum is so much more than the least is not kept beside it.
+const DEAR: u32 = 240;
+/// What stands for no seed among the hypotheses.
+const NO_SEED: u32 = u16::MAX as u32;
 
 /// What the search of the tiles is told.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -27,11 +36,10 @@ pub(crate) struct TileSettings<C> {
 
 /// What a label costs a cell, at most 255.
 pub trait CellCost: Copy {
-    /// What four labels cost each of the four cells, a label a lane.
+    /// What a label costs the cells: two in a word, the upper and the lower ones.
     ///
-    /// - `cells`: for each label the sums of the cells, two in a word: the upper and the lower ones.
-    /// - `tile`: for each label the sum of the tile.
-    fn of(self, cells: [[u32; 2]; 4], tile: [u32; 4]) -> [u32; 4];
+    /// - `cells`: their sums; `tile`: the sum of the tile.
+    fn of(self, cells: [u32; 2], tile: u32) -> [u32; 2];
 }
 
 /// The cell's own sum, divided by 2 to this power.
@@ -40,7 +48,7 @@ pub struct OwnCost {
     pub(crate) shift: u32,
 }
 
-/// `(cell * its own sum + tile * the tile's sum) / 256`.
+/// `(cell * its own sum + tile * the tile's sum) / 64`. Both products fit 16 bits, as sums of limited features are below 500.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct SharedCost {
     pub(crate) cell: u32,
@@ -49,32 +57,35 @@ pub struct SharedCost {
 
 impl CellCost for OwnCost {
     #[inline(always)]
-    fn of(self, [a, b, c, d]: [[u32; 2]; 4], _: [u32; 4]) -> [u32; 4] {
-        let keep = (0xffff >> self.shift) * 0x0001_0001;
-        let row = |row: usize| {
-            let cost = |cells: [u32; 2]| saturated_halves(cells[row] >> self.shift & keep);
-            let (first, second) = (cost(a) | cost(b) << 8, cost(c) | cost(d) << 8);
-            [first & 0xffff | second << 16, first >> 16 | second & 0xffff_0000]
-        };
-        let ([a, b], [c, d]) = (row(0), row(1));
-        [a, b, c, d]
+    fn of(self, cells: [u32; 2], _: u32) -> [u32; 2] {
+        let keep = splat_half(0xffff >> self.shift);
+        cells.map(|cells| saturated_halves(cells >> self.shift & keep))
     }
 }
 
 impl CellCost for SharedCost {
     #[inline(always)]
-    fn of(self, [a, b, c, d]: [[u32; 2]; 4], tile: [u32; 4]) -> [u32; 4] {
-        let [e, f, g, h] = tile.map(|sum| self.tile * sum);
-        let cost = |own: u32, shared: u32| saturated_byte(self.cell * own + shared);
-        let low = |row: usize| {
-            let own = |cells: [u32; 2]| cells[row] & 0xffff;
-            cost(own(a), e) | cost(own(b), f) << 8 | cost(own(c), g) << 16 | cost(own(d), h) << 24
-        };
-        let high = |row: usize| {
-            let own = |cells: [u32; 2]| cells[row] >> 16;
-            cost(own(a), e) | cost(own(b), f) << 8 | cost(own(c), g) << 16 | cost(own(d), h) << 24
-        };
-        [low(0), high(0), low(1), high(1)]
+    fn of(self, cells: [u32; 2], tile: u32) -> [u32; 2] {
+        let shared = splat_half(self.tile).wrapping_mul(tile);
+        cells.map(|cells| saturated_halves(self.cell.wrapping_mul(cells).wrapping_add(shared) >> 6 & 0x03ff_03ff))
+    }
+}
+
+/// What the search found of a tile.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Found {
+    Settled(SettledTile),
+    Open(Tile),
+}
+
+impl Found {
+    /// The label of the least cost of the tile.
+    #[inline(always)]
+    pub(crate) const fn best(&self) -> u32 {
+        match self {
+            Self::Settled(SettledTile { label, .. }) => *label,
+            Self::Open(Tile { best, .. }) => *best,
+        }
     }
 }
 
@@ -131,15 +142,38 @@ impl<'a, C: CellCost, const WORDS: usize> TileRow<'a, C, WORDS> {
         hypotheses: [u32; 6],
         left: u32,
         above: u32,
-    ) -> Tile {
+    ) -> Found {
         // Label 0 would begin at this byte of the right row; the window may lie in the margins, not beyond.
         let origin = 8 * tile as i32 + 4 - self.min_disparity;
         let lowest = (origin - self.columns).max(0).cast_unsigned();
-        let Ok(highest) = u32::try_from(origin.min(self.num_disparities - 1)) else { return Tile::NOWHERE };
+        let Ok(highest) = u32::try_from(origin.min(self.num_disparities - 1)) else {
+            return Found::Open(Tile::NOWHERE);
+        };
         if highest < lowest {
-            return Tile::NOWHERE;
+            return Found::Open(Tile::NOWHERE);
         }
-        trials.start(tile, origin as usize, lowest, highest);
+        let three = match self.try_around(tile, origin as usize, [lowest, highest], hypotheses, [left, above]) {
+            Some(three) => three,
+            None => match self.try_all(trials, tile, origin as usize, [lowest, highest], hypotheses, [left, above]) {
+                Ok(three) => three,
+                Err(few) => return Found::Open(few),
+            },
+        };
+        self.settings.keep(trials, &three)
+    }
+
+    /// Tries all hypotheses of a tile: the best label, if those one step beside it are known, too; else what is kept.
+    #[inline(always)]
+    fn try_all(
+        &self,
+        trials: &mut Trials<WORDS>,
+        tile: usize,
+        origin: usize,
+        [lowest, highest]: [u32; 2],
+        hypotheses: [u32; 6],
+        [left, above]: [u32; 2],
+    ) -> Result<Three, Tile> {
+        trials.start(tile, origin, lowest, highest);
         for label in hypotheses {
             trials.add(label);
         }
@@ -155,7 +189,7 @@ impl<'a, C: CellCost, const WORDS: usize> TileRow<'a, C, WORDS> {
         let start = search.best;
         let label = Trial::label_of(start);
         if label <= lowest || label >= highest || !self.settings.extremum {
-            return search.search_at_end(lowest, highest);
+            return Err(search.search_at_end(lowest, highest));
         }
         let tried = search.trials.len();
         let [before, after] = [label - 1, label + 1].map(|label| search.trials.place_of(label));
@@ -165,9 +199,58 @@ impl<'a, C: CellCost, const WORDS: usize> TileRow<'a, C, WORDS> {
         search.consider(after);
         let second = search.best;
         if second == start {
-            return search.keep(start, before, after);
+            let keys = [before, start, after];
+            return Ok(Three {
+                label,
+                cells: keys.map(|key| search.trials.of(key).cells),
+                sums: keys.map(Trial::sum_of),
+                // These three are on the list.
+                other: if search.trials.len() == 3 { u32::MAX } else { search.cheapest_beside(start) },
+            });
         }
-        search.step_downhill(start, [before, after], lowest, highest)
+        Err(search.step_downhill(start, [before, after], lowest, highest))
+    }
+
+    /// Tries the label of the left neighbour and those one step beside it, where all hypotheses are among these three: what
+    /// [`Self::try_all`] would find, if it is the best of them.
+    #[inline(always)]
+    fn try_around(
+        &self,
+        tile: usize,
+        origin: usize,
+        [lowest, highest]: [u32; 2],
+        hypotheses: [u32; 6],
+        [label, above]: [u32; 2],
+    ) -> Option<Three> {
+        let [_, second, after, _, seeds @ ..] = hypotheses;
+        let before = label.wrapping_sub(1);
+        let is_near = |other: u32| other.wrapping_sub(before) <= 2;
+        let is_near_seed = |seed: u32| is_near(seed) || seed == NO_SEED;
+        if !is_near(above)
+            || label <= lowest
+            || label >= highest
+            || !(is_near(second) && is_near(after) && seeds.into_iter().all(is_near_seed) && self.settings.extremum)
+        {
+            return None;
+        }
+        crate::count::evaluations(3);
+        let first = 2 * tile + 1;
+        let [more, same, less] = tile_sads_around(self.left, first, self.right, origin - label as usize - 1);
+        let [more_sum, sum, less_sum] = [more, same, less].map(|[upper, lower]| {
+            let both = upper + lower;
+            (both & 0xffff) + (both >> 16)
+        });
+        // The left neighbour has this label, the upper one may have one beside it.
+        let TileSettings { near, far, .. } = self.settings;
+        let [less_pays, pays, more_pays] = match above.wrapping_sub(label) {
+            0 => [2 * near, 0, 2 * near],
+            1 => [near + far, near, near],
+            _ => [near, near, near + far],
+        };
+        if sum + pays >= (less_sum + less_pays).min(more_sum + more_pays) {
+            return None;
+        }
+        Some(Three { label, cells: [less, same, more], sums: [less_sum, sum, more_sum], other: u32::MAX })
     }
 }
 
@@ -257,26 +340,6 @@ impl<C: CellCost, const WORDS: usize> Search<'_, C, WORDS> {
         self.keep_few(self.best, sides)
     }
 
-    /// The best, those one step before and after it, and the cheapest of the others.
-    #[inline(always)]
-    fn keep(&self, best: u32, before: u32, after: u32) -> Tile {
-        let three = Trial::label_of(best) * 0x0001_0101 + 0x0001_0000 - 1;
-        // These three are on the list.
-        let other = if self.trials.len() == 3 { u32::MAX } else { self.cheapest_beside(best) };
-        if other == u32::MAX {
-            // The last label again, at a cost that nobody takes.
-            let labels = three | Trial::label_of(after) << 24;
-            let costs = self.costs([before, best, after, after]).map(|costs| costs | 0xff00_0000);
-            return Tile { labels, costs, best: Trial::label_of(best) };
-        }
-        let (labels, keys) = if Trial::label_of(other) < Trial::label_of(best) {
-            (Trial::label_of(other) | three << 8, [other, before, best, after])
-        } else {
-            (three | Trial::label_of(other) << 24, [before, best, after, other])
-        };
-        Tile { labels, costs: self.costs(keys), best: Trial::label_of(best) }
-    }
-
     /// The trial of the least sum more than a step from the best; the first of equals; [`u32::MAX`] if there is none.
     #[inline(always)]
     fn cheapest_beside(&self, best: u32) -> u32 {
@@ -293,38 +356,77 @@ impl<C: CellCost, const WORDS: usize> Search<'_, C, WORDS> {
     #[cold]
     #[inline(never)]
     fn keep_few(&self, best: u32, [before, after]: [Option<u32>; 2]) -> Tile {
-        let (below, above) = match self.cheapest_beside(best) {
-            u32::MAX => (None, None),
-            other if Trial::label_of(other) < Trial::label_of(best) => (Some(other), None),
-            other => (None, Some(other)),
-        };
-        let mut labels = 0;
+        let other = self.cheapest_beside(best);
+        let is_below = Trial::label_of(other) < Trial::label_of(best);
+        let (below, above) =
+            ((other != u32::MAX && is_below).then_some(other), (other != u32::MAX && !is_below).then_some(other));
         let mut keys = [best; 4];
         let mut len = 0;
         for key in [below, before, Some(best), after, above].into_iter().flatten() {
-            labels |= Trial::label_of(key) << (8 * len);
             keys[len % 4] = key;
             len += 1;
         }
-        let (mut beyond, last) = (0, Trial::label_of(keys[(len - 1) % 4]));
-        for i in len..4 {
-            labels |= last << (8 * i);
-            beyond |= 0xff << (8 * i);
+        let (mut labels, mut beyond) = (0, 0);
+        for i in 0..4 {
+            let last = i.min(len - 1);
+            labels |= Trial::label_of(keys[last % 4]) << (8 * i);
+            beyond |= if i == last { 0 } else { 0xff << (8 * i) };
         }
-        Tile { labels, costs: self.costs(keys).map(|costs| costs | beyond), best: Trial::label_of(best) }
-    }
-
-    /// What the labels of four trials cost each of the four cells.
-    #[inline(always)]
-    fn costs(&self, keys: [u32; 4]) -> [u32; 4] {
-        let cells = keys.map(|key| self.trials.of(key).cells);
-        self.row.settings.cost.of(cells, keys.map(Trial::sum_of))
+        let costs = keys.map(|key| self.row.settings.cost.of(self.trials.of(key).cells, Trial::sum_of(key)));
+        Tile { labels, costs: by_cell(costs).map(|costs| costs | beyond), best: Trial::label_of(best) }
     }
 }
 
 impl Tile {
     /// A tile that no label suits.
     const NOWHERE: Self = Self { labels: 0, costs: [u32::MAX; 4], best: 0 };
+}
+
+impl<C: CellCost> TileSettings<C> {
+    /// Keeps the best, those one step beside it, and the cheapest of the others if it comes near.
+    #[inline(always)]
+    fn keep<const WORDS: usize>(&self, trials: &Trials<WORDS>, &Three { label, cells, sums, other }: &Three) -> Found {
+        let [a, b, c] = [0, 1, 2].map(|i| self.cost.of(cells[i], sums[i]));
+        let three = label * 0x0001_0101 + 0x0001_0000 - 1;
+        let [before, here, after] = sums;
+        let (labels, costs) = if Trial::sum_of(other) >= here + DEAR {
+            if before.min(after) >= here + CLEAR {
+                return Found::Settled(SettledTile { label, costs: [a, b, c] });
+            }
+            // The last label again, at a cost that nobody takes.
+            (three | (label + 1) << 24, [a, b, c, [0x00ff_00ff; 2]])
+        } else {
+            let fourth = self.cost.of(trials.of(other).cells, Trial::sum_of(other));
+            if Trial::label_of(other) < label {
+                (Trial::label_of(other) | three << 8, [fourth, a, b, c])
+            } else {
+                (three | Trial::label_of(other) << 24, [a, b, c, fourth])
+            }
+        };
+        Found::Open(Tile { labels, costs: by_cell(costs), best: label })
+    }
+}
+
+/// The best label of a tile.
+struct Three {
+    label: u32,
+    /// The sums of the cells, for the label before it, itself and the one after it.
+    cells: [[u32; 2]; 3],
+    /// The same of the tile.
+    sums: [u32; 3],
+    /// The key of the cheapest trial more than a step away; [`u32::MAX`] if there is none.
+    other: u32,
+}
+
+/// What each of four labels costs two cells in a row, a label a lane, in the order of the cells.
+#[inline(always)]
+fn by_cell([a, b, c, d]: [[u32; 2]; 4]) -> [u32; 4] {
+    let row = |row: usize| {
+        let (first, second) = (a[row] | b[row] << 8, c[row] | d[row] << 8);
+        [first & 0xffff | second << 16, first >> 16 | second & 0xffff_0000]
+    };
+    let ([a, b], [c, d]) = (row(0), row(1));
+    [a, b, c, d]
 }
 
 impl<C> TileSettings<C> {

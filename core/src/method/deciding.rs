@@ -82,9 +82,9 @@ impl Matching for Lonely {
 
     fn costs(is_noisy: bool) -> (SharedCost, Penalties) {
         if is_noisy {
-            (SharedCost { cell: 180, tile: 30 }, Penalties::new(2, 16))
+            (SharedCost { cell: 42, tile: 7 }, Penalties::new(2, 16))
         } else {
-            (SharedCost { cell: 88, tile: 12 }, Penalties::new(1, 3))
+            (SharedCost { cell: 22, tile: 3 }, Penalties::new(1, 3))
         }
     }
 }

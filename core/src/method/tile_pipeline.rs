@@ -18,7 +18,7 @@ use crate::lanes::trials::Trials;
 use crate::matching::agreement::Penalties;
 use crate::matching::alone::Alone;
 use crate::matching::block_search::{BlockRow, BlockSettings};
-use crate::matching::tile::{TileRow, TileSettings};
+use crate::matching::tile::{Found, TileRow, TileSettings};
 use crate::matching::tile_seed::TileSeeds;
 use crate::method::capacity::check_capacity;
 use crate::method::deciding::{CellRows, Matching, MaybePaths};
@@ -295,15 +295,23 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> Tiled<M, BLOCKS, C> {
             let seeds = self.seeds.nearest(tile).map(u32::from);
             let hypotheses = [a, b, after, left, seeds[0], seeds[1]];
             let found = row.search(&mut trials, tile, hypotheses, left, a);
-            left = found.best;
-            if let Some(paths) = paths.as_deref_mut() {
-                paths.set(tile, found);
-            } else {
-                let cells = alone.decide(settings.penalties, &found, [a, b]);
-                for (row, [first, second]) in rows.iter_mut().zip(cells) {
-                    row.value[tile] = [first.value, second.value];
-                    row.label[tile] = [first.label, second.label];
-                    row.merit[tile] = [first.merit, second.merit];
+            left = found.best();
+            match (found, paths.as_deref_mut()) {
+                (Found::Settled(settled), paths) => {
+                    if let Some(paths) = paths {
+                        paths.set_settled(tile, settings.penalties, &settled);
+                    }
+                    alone.pass(settled.decide(settings.penalties, tile, &mut rows));
+                }
+                // Its cells wait for the agreement.
+                (Found::Open(found), Some(paths)) => paths.set(tile, &found),
+                (Found::Open(found), None) => {
+                    let cells = alone.decide(settings.penalties, &found, [a, b]);
+                    for (row, [first, second]) in rows.iter_mut().zip(cells) {
+                        row.value[tile] = [first.value, second.value];
+                        row.label[tile] = [first.label, second.label];
+                        row.merit[tile] = [first.merit, second.merit];
+                    }
                 }
             }
             here = next;

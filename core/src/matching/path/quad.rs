@@ -1,7 +1,7 @@
 //! The paths with both cells of a column, or all of a tile, at once.
 #![allow(clippy::cast_possible_truncation, reason = "labels have 8 bits")]
 
-use super::{Column, Paths};
+use super::{Paths, TileColumns};
 use crate::answer::cell::quad::{first_zero_lane, winners};
 use crate::answer::cell_row::CellRow;
 use crate::lanes::quad::Quad;
@@ -15,8 +15,13 @@ impl<const WORDS: usize> Paths<WORDS> {
         let penalties = QuadPenalties::new(penalties);
         let mut sums = Quad::splat(0);
         let mut before = None;
-        let mut pass = |pair: &mut [Column; 2]| {
+        let mut pass = |(pair, &mut [is_settled, _]): TileColumns<'_>| {
             let labels = pair[0].labels;
+            if is_settled {
+                sums = Quad::of_two(pair[usize::from(!LEFTWARDS)].costs);
+                before = Some(labels);
+                return;
+            }
             let to = Quad::splat(labels);
             let steps = penalties.steps(to);
             let mut messages = match before {
@@ -33,9 +38,9 @@ impl<const WORDS: usize> Paths<WORDS> {
             }
         };
         if LEFTWARDS {
-            self.tiles(tiles).iter_mut().rev().for_each(&mut pass);
+            self.tiles(tiles).rev().for_each(&mut pass);
         } else {
-            self.tiles(tiles).iter_mut().for_each(&mut pass);
+            self.tiles(tiles).for_each(&mut pass);
         }
     }
 
@@ -54,9 +59,15 @@ impl<const WORDS: usize> Paths<WORDS> {
         let above_cells = above_row.tiles(tiles);
         let upper_cells = upper_row.tiles(tiles);
         let lower_labels = lower_row.tiles(tiles).label;
-        for (tile, pair) in self.tiles(tiles).iter_mut().enumerate() {
-            let [first, second] = pair;
+        for (tile, ([first, second], settled)) in self.tiles(tiles).enumerate() {
             let (own, above) = (first.labels, if is_first { first.labels } else { second.labels });
+            let [is_settled, is_above_settled] = *settled;
+            settled[1] = is_settled;
+            if is_settled && (is_above_settled || is_first) {
+                second.labels = own;
+                (first.from_top, second.from_top) = (first.costs[1], second.costs[1]);
+                continue;
+            }
             let (labels, labels_above) = (Quad::splat(own), Quad::splat(above));
             let steps = penalties.steps(labels);
             // Two cells a half of the quad: upper and lower ones.
@@ -80,10 +91,15 @@ impl<const WORDS: usize> Paths<WORDS> {
             let labels_by_cell = labels_above.lower(labels);
             let beside = penalties.steps(labels_above).both().lower(steps.both());
             let [a, b, c, d] = winners(decided, labels_by_cell, costs_above.lower(costs), beside);
-            if !is_first {
+            if !(is_first || is_above_settled) {
                 above_cells.value[tile] = [a.value, b.value];
                 above_cells.label[tile] = [a.label, b.label];
                 above_cells.merit[tile] = [a.merit, b.merit];
+            }
+            second.labels = own;
+            if is_settled {
+                (first.from_top, second.from_top) = (first.costs[1], second.costs[1]);
+                continue;
             }
             upper_cells.value[tile] = [c.value, d.value];
             upper_cells.label[tile] = [c.label, d.label];
@@ -96,7 +112,6 @@ impl<const WORDS: usize> Paths<WORDS> {
             lower_labels[tile] = [left as u8, right as u8];
             ([first.from_top, second.from_top], [first.pending, second.pending]) = (top.two_words(), sums.two_words());
             [first.costs_above, second.costs_above] = costs.two_words();
-            second.labels = own;
         }
     }
 }
@@ -104,14 +119,12 @@ impl<const WORDS: usize> Paths<WORDS> {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
+    use crate::matching::settled::SettledTile;
     use crate::matching::tile::Tile;
 
     /// A tile as the search may find it: labels ascend, and the last may stand twice.
     pub(crate) fn random_tile(seed: &mut u32) -> Tile {
-        let mut next = || {
-            *seed = seed.wrapping_mul(0x9e37_79b1).wrapping_add(0x7f4a_7c15);
-            (*seed ^ *seed >> 15).wrapping_mul(0x85eb_ca6b) >> 3
-        };
+        let mut next = || random(seed);
         let first = next() % 4 * (next() % 60);
         let mut labels = first;
         let mut last = first;
@@ -126,6 +139,18 @@ pub(crate) mod tests {
             costs = costs.map(|costs| costs | 0xff00_0000);
         }
         Tile { labels, costs, best: labels >> 8 & 0xff }
+    }
+
+    fn random(seed: &mut u32) -> u32 {
+        *seed = seed.wrapping_mul(0x9e37_79b1).wrapping_add(0x7f4a_7c15);
+        (*seed ^ *seed >> 15).wrapping_mul(0x85eb_ca6b) >> 3
+    }
+
+    /// A settled tile, its costs small or great.
+    fn random_settled_tile(seed: &mut u32, label: u32) -> SettledTile {
+        let limit = [0x00ff_00ff, 0x000f_000f][random(seed) as usize % 2];
+        let costs = [0; 3].map(|_: u32| [0; 2].map(|_: u32| random(seed) & limit));
+        SettledTile { label: label.clamp(1, 254), costs }
     }
 
     #[test]
@@ -144,8 +169,14 @@ pub(crate) mod tests {
                         before = random_tile(&mut seed);
                         before.labels = if tile % 2 == 0 { labels } else { before.labels };
                     }
-                    quads.set(tile, before);
-                    words.set(tile, before);
+                    if random(&mut seed).is_multiple_of(3) {
+                        let settled = random_settled_tile(&mut seed, before.best);
+                        quads.set_settled(tile, penalties, &settled);
+                        words.set_settled(tile, penalties, &settled);
+                    } else {
+                        quads.set(tile, &before);
+                        words.set(tile, &before);
+                    }
                 }
                 quads.pass::<false>(20, penalties);
                 words.pass_by_words::<false>(20, penalties);
