@@ -12,7 +12,7 @@
 #![allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "bytes are cut out, labels are below 256")]
 
 use crate::Config;
-use crate::answer::neighbourhood::{along, fill_up, mean, words, words_mut, words_of};
+use crate::answer::neighbourhood::{along, fill_up, mean, means_around, words, words_mut, words_of};
 use crate::answer::repetition::Repetition;
 use crate::front_end::camera_view::Row;
 use crate::front_end::noise::{Noise, SmoothingLevel};
@@ -223,28 +223,26 @@ impl<const WORDS: usize> Evidence<WORDS> {
         let rows = [number.saturating_sub(1), number, number + 1].map(|row| &self.rows[(row.min(last) % 3) as usize]);
         let count = words_of(cells);
         let (bonuses, blanks) = (words_mut(&mut worth.bonus, count), words_mut(&mut worth.blank, count));
-        let planes = [
-            rows.map(|row| words(&row.fit, count)),
-            rows.map(|row| words(&row.beside, count)),
-            rows.map(|row| words(&row.like, count)),
-            rows.map(|row| words(&row.strength, count)),
-        ];
+        let [mut fits, mut besides, mut likes] = [[0; WORDS]; 3];
+        means_around(rows.map(|row| words(&row.fit, count)), words_mut(&mut fits, count));
+        means_around(rows.map(|row| words(&row.beside, count)), words_mut(&mut besides, count));
+        means_around(rows.map(|row| words(&row.like, count)), words_mut(&mut likes, count));
+        let means = [&fits, &besides, &likes].map(|means| words(means, count));
+        let strengths = rows.map(|row| words(&row.strength, count));
         let unique = splat(if self.is_repeated { UNIQUE_IN_REPETITION } else { UNIQUE });
         let blank_to = splat(floor.blank);
         // A 16th of the strongest.
         let noisy = if floor.is_noisy { u32::MAX } else { 0 };
         let sixteenths = splat(0x0f) & noisy;
         let down = |i: usize| {
-            let [fit, beside, like, strength] =
-                planes.each_ref().map(|rows| rows.map(|row| u32::from_le_bytes(row[i])));
+            let [above, here, below] = strengths.map(|row| u32::from_le_bytes(row[i]));
             // What is strong above or below only is not seen here.
-            let [above, here, below] = strength;
             let strength = min(halved_sum(above, here), halved_sum(below, here));
             let least = max(max(above, below), here) >> 4 & sixteenths;
             let fringe = select_ge(min(above, below), least, 0, splat(FRINGE));
-            [mean(fit), mean(beside), mean(like), strength, fringe]
+            [strength, fringe]
         };
-        along(count, down, |i, [fits, besides, likes, strengths, [_, fringe, _]]| {
+        along(count, down, |i, [strengths, [_, fringe, _]]| {
             let strength = mean(strengths);
             let [a, b, c] = strengths;
             let (weakest, strongest) = min_max(a, c);
@@ -256,8 +254,8 @@ impl<const WORDS: usize> Evidence<WORDS> {
             // 11/16 of the strength.
             let half = halved_sum(strength, 0);
             let most_fit = halved_sum(strength, halved_sum(half, halved_sum(half, 0)));
-            let (fit, like) = (mean(fits), mean(likes));
-            let bonus = min(sub(min(mean(besides), like), fit), splat(MOST_BONUS)) | fringe;
+            let [fit, beside, like] = means.map(|means| u32::from_le_bytes(means[i]));
+            let bonus = min(sub(min(beside, like), fit), splat(MOST_BONUS)) | fringe;
             let bonus = select_ge(sub(like, fit), unique, bonus, splat(NEVER_SURE));
             bonuses[i] = (select_ge(most_fit, fit, bonus, splat(NEVER_SURE)) | blank & noisy).to_le_bytes();
         });

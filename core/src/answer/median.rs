@@ -2,7 +2,7 @@
 
 use crate::answer::cell_row::CellRow;
 use crate::answer::evidence::{FRINGE, NEVER_SURE};
-use crate::answer::neighbourhood::{along, mean, words, words_mut, words_of};
+use crate::answer::neighbourhood::{along, means_around, words, words_mut, words_of};
 use crate::lanes::{ONES, add, max, min, min_max, select_ge, splat, sub};
 
 /// Most steps beyond the first, between the labels around a cell, that it pays for: 14 in merit each.
@@ -69,12 +69,13 @@ pub(crate) fn confidences<const WORDS: usize>(
     mut take: impl FnMut(usize, u32),
 ) {
     let count = words_of(cells);
-    let merits = rows.map(|row| words(&row.merit, count));
+    let mut means = [0; WORDS];
+    means_around(rows.map(|row| words(&row.merit, count)), words_mut(&mut means, count));
+    let merits = words(&means, count);
     let (prices, bonuses) = (words(price, count), words(bonus, count));
     let sure_less_64 = splat(sure - SURE);
-    let down = |i: usize| [mean(merits.map(|row| u32::from_le_bytes(row[i])))];
-    along(count, down, |i, [columns]| {
-        let merit = sub(mean(columns), u32::from_le_bytes(prices[i]));
+    for i in 0..count {
+        let merit = sub(u32::from_le_bytes(merits[i]), u32::from_le_bytes(prices[i]));
         let bonus = u32::from_le_bytes(bonuses[i]);
         // What is added is below the fringe's bit.
         let certain = sub(add(merit, bonus & splat(FRINGE / 2 - 1)), sure_less_64);
@@ -84,5 +85,5 @@ pub(crate) fn confidences<const WORDS: usize>(
         let if_not = select_ge(bonus, splat(FRINGE), doubtful, min(certain, splat(MOST_DOUBTFUL)));
         let confidence = select_ge(certain, splat(SURE), if_sure, if_not);
         take(i, max(confidence, splat(MEASURED)));
-    });
+    }
 }

@@ -50,6 +50,26 @@ pub(crate) fn along<const N: usize>(
     }
 }
 
+/// Means over the 3 x 3 cells around each of the middle row, `[1 2 1] / 4` down and along.
+#[inline(never)]
+pub(crate) fn means_around(rows: [&[[u8; 4]]; 3], means: &mut [[u8; 4]]) {
+    let [above, here, below] = rows;
+    let count = means.len();
+    if count == 0 || above.len() != count || here.len() != count || below.len() != count {
+        return;
+    }
+    let down = |i: usize| mean([above, here, below].map(|row| u32::from_le_bytes(row[i])));
+    let mut middle = down(0);
+    let mut before = splat(lane(middle, 0));
+    for i in 1..count {
+        let next = down(i);
+        means[i - 1] = mean([middle << 8 | before >> 24, middle, middle >> 8 | next << 24]).to_le_bytes();
+        (before, middle) = (middle, next);
+    }
+    let next = splat(lane(middle, 3));
+    means[count - 1] = mean([middle << 8 | before >> 24, middle, middle >> 8 | next << 24]).to_le_bytes();
+}
+
 /// The mean of neighbours, `[1 2 1] / 4`.
 #[inline(always)]
 pub(crate) fn mean([a, b, c]: [u32; 3]) -> u32 {
