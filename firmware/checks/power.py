@@ -27,10 +27,13 @@ ARM_TOOLCHAIN = os.environ.get("ARM_TOOLCHAIN")
 ARM_DIR = TARGET_DIR / "arm" if ARM_TOOLCHAIN else TARGET_DIR
 HAARLINE, EMULATOR = TARGET_DIR / "release" / "haarline", TARGET_DIR / "release" / "haarline-emulator"
 TAKE = "db1_forward_take01"
-WIDTH, HEIGHT, RATE, FRAMES = 128, 96, 10, 13
+WIDTH, HEIGHT, RATE, FRAMES, EXPOSURE = 128, 96, 10, 13, 40
 
 IDLE, CAPTURE, COMPUTE, SEND = (0, 0), (1, 0), (1, 1), (0, 1)
 NAMES = {IDLE: "idle", CAPTURE: "capture", COMPUTE: "compute", SEND: "send"}
+# What is told for a moment, ns at most, between two phases that differ in both pins.
+BETWEEN = {(IDLE, COMPUTE): SEND, (COMPUTE, IDLE): SEND, (CAPTURE, SEND): COMPUTE, (SEND, CAPTURE): COMPUTE}
+LONGEST_BETWEEN = 5000
 # What a meter shall see, mA at 3.3 V.
 CURRENTS = {IDLE: 12.0, CAPTURE: 31.0, COMPUTE: 97.0, SEND: 44.0}
 METHODS = ["full", "lite", "wavelet-block", "contour", "envelope", "block", "sgm"]
@@ -60,14 +63,26 @@ def build(program, **variables):
 
 
 class Phases:
-    """What the pins told: spans of one phase, from the start to the run's end, ns."""
+    """What the pins told: spans of one phase, from the start to the run's end, ns; without those between two others, which must
+    be there wherever these differ in both pins, and nowhere else."""
 
     def __init__(self, path, end):
         with open(path, newline="") as file:
             edges = [(int(edge["ns"]), (int(edge["low"]), int(edge["high"]))) for edge in csv.DictReader(file)]
         starts = [(0, IDLE), *edges]
         ends = [at for at, _ in edges] + [end]
-        self.spans = [(at, until, phase) for (at, phase), until in zip(starts, ends)]
+        told = [(at, until, phase) for (at, phase), until in zip(starts, ends)]
+        for (_, _, one), (at, _, other) in zip(told, told[1:]):
+            if (one[0] != other[0]) + (one[1] != other[1]) != 1:
+                raise Failure(f"at {at} ns from {NAMES[one]} to {NAMES[other]}")
+        self.edges, self.between, self.spans = len(edges), 0, told[:1]
+        for (_, _, before), (at, until, phase), (_, _, after) in zip(told, told[1:], told[2:] + [(end, end, None)]):
+            if BETWEEN.get((before, after)) == phase and until - at <= LONGEST_BETWEEN:
+                self.between += 1
+                begin, _, last = self.spans[-1]
+                self.spans[-1] = (begin, until, last)
+            else:
+                self.spans.append((at, until, phase))
 
     def at(self, time):
         return next(phase for begin, end, phase in self.spans if begin <= time < end)
@@ -103,6 +118,8 @@ class Firmware:
         milliseconds = re.search(r"frames' first lines at (.*)", self.told)[1]
         self.shown = [round(1e6 * float(ms.removesuffix(" ms"))) for ms in milliseconds.split(", ")]
         self.words = re.search(r"read: (.*)", self.told)[1]
+        standby = re.search(r"sensors in standby for (\S+) ms of each frame", self.told)
+        self.standby_ms = float(standby[1]) if standby else 0.0
         self.rows = (folder / "rows").read_bytes()
 
 
@@ -111,7 +128,7 @@ def edges_of_a_frame(firmware):
     phases, period = firmware.phases, 1_000_000_000 // RATE
     expect("frames shown", len(firmware.shown), FRAMES)
     expect("before the first frame", {NAMES[of] for at, _, of in phases.spans if at < firmware.shown[0]}, {"idle"})
-    longest, twice = 0, 0
+    longest = 0
     for nth, begin in enumerate(firmware.shown[:-1]):
         expect(f"just before frame {nth}", NAMES[phases.at(begin - 1)], "idle")
         spans = [(at, end, of) for at, end, of in phases.spans if begin <= at < begin + period - 20_000_000]
@@ -128,10 +145,20 @@ def edges_of_a_frame(firmware):
         expect(f"the last phases of frame {nth}", [NAMES[of] for _, _, of in spans[-2:]], ["send", "idle"])
         ends = [end for _, end, of in spans if of == COMPUTE][-1]
         expect(f"after the last row of frame {nth}", {NAMES[of] for at, _, of in spans if at >= ends} - {"send", "idle"}, set())
-        both = sum(one != other and one[0] != other[0] and one[1] != other[1]
-                   for one, other in zip([IDLE] + [of for _, _, of in spans], [of for _, _, of in spans]))
-        twice += both
-    return f"{len(firmware.shown) - 1} frames, each told {longest / US:.0f} us after its first line at most; both pins at once {twice} times"
+    if not phases.between:
+        raise Failure("no two phases followed each other that differ in both pins")
+    return (f"{len(firmware.shown) - 1} frames, each told {longest / US:.0f} us after its first line at most; of {phases.edges} edges each changes "
+            f"one pin, {phases.between} phases between two others")
+
+
+def standby(firmware):
+    """Between frames the sensors are in standby for as long as the plan says."""
+    plan = json.loads(run(HAARLINE, "power", "plan", "--board", "h743", "--size", f"{WIDTH}x{HEIGHT}", "--fps", RATE,
+                          "--num-disparities", 32, "--exposure-lines", EXPOSURE, "--json"))
+    planned, found = plan["budget"]["standby_percent"], firmware.standby_ms * RATE / 10
+    if not 50 < found < 100 or abs(found - planned) > 1:
+        raise Failure(f"in standby for {found:.1f} % of the time, planned {planned:.1f} %")
+    return f"{found:.1f} % of the time, planned {planned:.1f} %; all {len(firmware.shown)} frames came"
 
 
 def counters(firmware):
@@ -214,9 +241,9 @@ def segments(elf, folder):
 
 
 def checks(data, folder):
-    stereoboard = (ROOT / "tests" / "stereoboard.toml").read_text() + f"frame_rate_hz = {RATE}\n"
-    for field, value in [("wiring", '"pairs14"'), ("exposure_lines", 40)]:
-        stereoboard = re.sub(rf"^{field} = .*$", f"{field} = {value}", stereoboard, flags=re.M)
+    stereoboard = (ROOT / "tests" / "stereoboard.toml").read_text()
+    stereoboard = re.sub(r"^wiring = .*$", 'wiring = "pairs14"', stereoboard, flags=re.M)
+    stereoboard += f"frame_rate_hz = {RATE}\nexposure_lines = {EXPOSURE}\n"
     description, dump = folder / "rig.toml", folder / "dump.raw"
     description.write_text(stereoboard)
     run(HAARLINE, "record", "--recording", data / "stereoboard" / TAKE, "--layout", "side-by-side", "--first", "right",
@@ -227,6 +254,7 @@ def checks(data, folder):
     firmware = Firmware(elf, dump, folder / "fast", 480)
     profile = build("profile")
     yield "phases at every edge of a frame", lambda: edges_of_a_frame(firmware)
+    yield "sensors in standby between frames", lambda: standby(firmware)
     yield "counters as a probe fetches them", lambda: counters(firmware)
     yield "the least clock that keeps up", lambda: slowest(firmware, itself, dump, folder)
     yield "a meter's recording of the product", lambda: measured(firmware.phases, firmware.folder, 100_000)[1]

@@ -21,7 +21,7 @@ use rigless::soc::{Bus, Error, Layout, Width};
 use rigless::time::VirtualNanos;
 
 use crate::camera::{Camera, FaultKind};
-use crate::dcmi::Dcmi;
+use crate::dcmi::{Dcmi, Trigger};
 use crate::phases::Phases;
 use crate::sensor::{Model, OnBus, Sensor, Shared};
 use crate::watchdog::Watchdog;
@@ -61,7 +61,7 @@ const SILENT: u64 = 300_000_000;
 const TIMERS: u64 = 0x4000_0000;
 const TIMERS_LEN: usize = 4;
 const TIMER_SIZE: u64 = 0x400;
-/// TIM3 pulses the sensors' trigger pins, by the order of the part's timers.
+/// TIM3 pulses the sensors' trigger pins and their standby pins, by the order of the part's timers.
 const TRIGGER_TIMER: usize = 1;
 
 /// The part, with a camera interface and a watchdog of ours.
@@ -198,11 +198,18 @@ impl Rig {
     pub fn look(&mut self, now: VirtualNanos) {
         self.look_at_clock(now);
         let (timer, registers) = self.chip.part.timer(TRIGGER_TIMER);
-        let channel = rigless::soc::stm32h743::peripherals::tim::Channel::new(1).expect("a timer has it");
-        let period = timer.pulse(channel, registers).map(|Pulse { period, .. }| period);
+        // Both are high to the end of the timer's lap; what is never high is no pulse.
+        let pulse = |number| {
+            let channel = rigless::soc::stm32h743::peripherals::tim::Channel::new(number).expect("a timer has it");
+            timer.pulse(channel, registers).filter(|Pulse { width, .. }| width.0 > 0)
+        };
+        let trigger = pulse(1).map(|Pulse { width, period }| {
+            let standby = pulse(2).map(|standby| [width.0.saturating_sub(standby.width.0), width.0]);
+            Trigger { period: period.0, standby }
+        });
         let Chip { part, dcmi, dcmi_slot, .. } = &mut self.chip;
         let (_, mut context) = part.bus_mut().drive(now, *dcmi_slot);
-        dcmi.trigger(period, &mut context);
+        dcmi.trigger(trigger, &mut context);
     }
 
     /// The program has written there. A timer that stands still matches nothing: rigless raises the compare

@@ -39,6 +39,15 @@ enum At {
     End,
 }
 
+/// What a timer does with the sensors' pins, again and again, ns.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Trigger {
+    /// From one edge of the trigger to the next.
+    pub period: u64,
+    /// From the edge to the beginning of the standby and to its end.
+    pub standby: Option<[u64; 2]>,
+}
+
 /// The interface, and the two cameras on its pins.
 #[derive(Debug)]
 pub struct Dcmi {
@@ -51,8 +60,8 @@ pub struct Dcmi {
     pub frame: u32,
     /// When the last one ended.
     pub ended: Option<VirtualNanos>,
-    /// Next pulse of the trigger, and its period.
-    trigger: Option<(u64, u64)>,
+    /// The next pulse of the trigger, and how it goes on.
+    trigger: Option<(u64, Trigger)>,
     /// The samples of the line under way, a bit a data line.
     line: Vec<u16>,
     /// The frame under way.
@@ -103,19 +112,19 @@ impl Dcmi {
         }
     }
 
-    /// The trigger pin pulses with this period, or not at all. Sensors that need none may have been started.
-    pub fn trigger(&mut self, period: Option<VirtualNanos>, context: &mut DeviceContext<'_>) {
-        let period = period.filter(|_| self.mistake != Some(Mistake::NoTrigger));
-        match (period, self.trigger) {
-            (Some(period), None) => {
-                self.trigger = Some((context.now().0 + period.0, period.0));
+    /// The trigger pin pulses so, or not at all. Sensors that need none may have been started.
+    pub fn trigger(&mut self, trigger: Option<Trigger>, context: &mut DeviceContext<'_>) {
+        let trigger = trigger.filter(|_| self.mistake != Some(Mistake::NoTrigger));
+        match (trigger, &mut self.trigger) {
+            (Some(trigger), None) => {
+                self.trigger = Some((context.now().0 + trigger.period, trigger));
                 // A frame that outlived a reset ends first.
                 if self.at == At::Blank {
                     self.next_frame(context);
                 }
             }
+            (Some(trigger), Some((_, before))) => *before = trigger,
             (None, _) => self.trigger = None,
-            _ => {}
         }
         let is_streaming = || matches!(self.sensor_timing().mode, Mode::Streaming(_));
         if self.at == At::Blank && self.event.is_none() && is_streaming() {
@@ -180,6 +189,10 @@ impl Dcmi {
                     self.next_frame(context);
                     return;
                 }
+                if !self.wake(now) {
+                    self.next_frame(context);
+                    return;
+                }
                 for sensor in &self.sensors {
                     sensor.lock().expect("nobody panics").begin_frame();
                 }
@@ -223,6 +236,22 @@ impl Dcmi {
         self.event = Some((context.schedule(at), at));
     }
 
+    /// The trigger's edge came: whether the sensors were awake in time; and when they will sleep.
+    fn wake(&self, now: u64) -> bool {
+        let Some((_, Trigger { period, standby })) = self.trigger else { return true };
+        self.sensors.iter().all(|sensor| {
+            let mut sensor = sensor.lock().expect("nobody panics");
+            sensor.standby = standby.map(|ends| ends.map(|end| now + end));
+            standby.is_none_or(|[_, end]| sensor.wakes_within(period - end))
+        })
+    }
+
+    /// How long the sensors are in standby for each frame, ns.
+    pub fn standby(&self) -> Option<u64> {
+        let [begin, end] = self.trigger?.1.standby?;
+        Some(end - begin)
+    }
+
     /// Waits for the next pulse of the trigger, or for the time of the next frame.
     fn next_frame(&mut self, context: &mut DeviceContext<'_>) {
         let now = context.now().0;
@@ -232,9 +261,9 @@ impl Dcmi {
                 self.wait_until(next, context);
             }
             _ => {
-                let Some((next, period)) = &mut self.trigger else { return };
+                let Some((next, trigger)) = &mut self.trigger else { return };
                 while *next <= now {
-                    *next += *period;
+                    *next += trigger.period;
                 }
                 let next = *next;
                 self.wait_until(next, context);

@@ -168,6 +168,9 @@ pub fn run(
     if !board.phases.is_empty() {
         let _ = writeln!(text, "frames' first lines at {}", ms_of(&dcmi.shown));
     }
+    if let Some(standby) = dcmi.standby() {
+        let _ = writeln!(text, "sensors in standby for {} of each frame", ms(VirtualNanos(standby)));
+    }
     if let Some((_, words)) = &watcher.variable {
         let words: Vec<String> = words.iter().map(|word| format!("{word:08x}")).collect();
         let _ = writeln!(text, "read: {}", words.join(" "));

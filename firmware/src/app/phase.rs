@@ -1,7 +1,8 @@
 //! What the program is doing, as two pins tell a current meter or a logic analyser.
 //!
 //! Where it does several things at once, the pins tell the one that takes the most power: it computes, even while rows are sent
-//! and lines come; it sends, even while lines come. In the order of a frame only one pin changes at a time.
+//! and lines come; it sends, even while lines come. Only one pin changes at a time: where two phases follow each other that
+//! differ in both, a short [`Phase::between`] comes before the second.
 
 /// Something that may be going on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -36,6 +37,17 @@ impl Phase {
             Self::Capture => [true, false],
             Self::Compute => [true, true],
             Self::Send => [false, true],
+        }
+    }
+
+    /// What is told for a moment before `next`, if both pins differ. Never idle, nor a capture: from idle to capture a frame
+    /// begins, and nothing else looks like that.
+    #[must_use]
+    pub const fn between(self, next: Self) -> Option<Self> {
+        match (self, next) {
+            (Self::Idle, Self::Compute) | (Self::Compute, Self::Idle) => Some(Self::Send),
+            (Self::Capture, Self::Send) | (Self::Send, Self::Capture) => Some(Self::Compute),
+            _ => None,
         }
     }
 }
@@ -107,27 +119,22 @@ mod tests {
     }
 
     #[test]
-    fn in_the_order_of_a_frame_one_pin_changes_at_a_time() {
-        let mut activities = Activities::NONE;
-        let mut pins = Phase::Idle.pins();
-        // Lines come, rows are worked on and sent; the last ones after the last line.
-        let frame = [
-            (Capture, true),
-            (Compute, true),
-            (Compute, false),
-            (Compute, true),
-            (Send, true),
-            (Capture, false),
-            (Compute, false),
-            (Send, false),
-        ];
-        for (activity, is_on) in frame {
-            let now = activities.set(activity, is_on).map_or(pins, Phase::pins);
-            let changed = pins.iter().zip(now).filter(|(before, now)| *before != now).count();
-            assert!(changed <= 1, "{activity:?} {is_on}: {pins:?} to {now:?}");
-            pins = now;
+    fn whatever_begins_or_ends_one_pin_changes_at_a_time() {
+        for before in 0..8 {
+            for (activity, is_on) in [Capture, Send, Compute].into_iter().flat_map(|it| [(it, true), (it, false)]) {
+                let mut activities = Activities(before);
+                let from = activities.phase();
+                let Some(to) = activities.set(activity, is_on) else { continue };
+                let between = from.between(to);
+                assert!(!matches!(between, Some(Phase::Idle | Phase::Capture)), "a frame seems to begin");
+                let path: Vec<Phase> = [Some(from), between, Some(to)].into_iter().flatten().collect();
+                for pair in path.windows(2) {
+                    let [one, other] = [pair[0].pins(), pair[1].pins()];
+                    let changed = one.iter().zip(other).filter(|(one, other)| *one != other).count();
+                    assert_eq!(changed, 1, "{path:?}");
+                }
+            }
         }
-        assert_eq!(activities, Activities::NONE);
     }
 
     #[test]

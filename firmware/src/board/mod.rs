@@ -15,6 +15,7 @@ pub mod phases;
 pub mod prompt;
 pub mod sensors;
 pub mod serial;
+pub mod trigger;
 pub mod watchdog;
 
 #[cfg(feature = "board-h743")]

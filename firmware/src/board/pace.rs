@@ -15,9 +15,9 @@ const SPARE: u32 = 4;
 #[expect(clippy::cast_possible_truncation, reason = "a few")]
 const _: () = assert!(
     WAITING + SPARE <= RAW_ROWS as u32,
-    "HAARLINE_RIG: lines come faster than the method takes them, and more than the ring holds would wait: lower frame_rate_hz"
+    "HAARLINE_RIG: lines come faster than the method takes them, and more than the ring holds would wait: lower frame_rate_hz, or width and height (docs/board.md tells what fits)"
 );
 const _: () = assert!(
     HEIGHT * (ROW / 16) < 1_000_000 / FRAME_RATE,
-    "HAARLINE_RIG: the method takes longer for a frame than frame_rate_hz allows: lower it"
+    "HAARLINE_RIG: the method takes longer for a frame than frame_rate_hz allows: lower it, or width and height"
 );

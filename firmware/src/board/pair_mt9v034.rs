@@ -41,6 +41,21 @@ const fn line_length(master_hz: u32) -> u32 {
 pub const fn line_us(master_hz: u32) -> u32 {
     line_length(master_hz) * 1000 / (master_hz / 1000)
 }
+/// From the end of the standby to the trigger, us. The data sheet asks for 10 clocks (appendix A), less than one; the rest is
+/// for the analog supplies, of which it tells nothing.
+pub const WAKE_US: u32 = 100;
+/// From the end of the standby to its beginning, us, where the integration is fixed and the frame leaves 1 ms or more.
+/// Else there is none: a sensor that controls its exposure may need all of the time, and is asked for it by a bus that sleeps
+/// in standby.
+pub const AWAKE_US: Option<u32> = match PLAN.exposure_lines {
+    None => None,
+    Some(_) => {
+        let awake = WAKE_US + LINES_A_FRAME * (LINE_US + 1);
+        if awake + LEAST_STANDBY_US <= 1_000_000 / FRAME_RATE { Some(awake) } else { None }
+    }
+};
+/// What a standby is worth, us.
+const LEAST_STANDBY_US: u32 = 1000;
 /// Longest integration that fits between the pictures, lines.
 const MOST_LINES: u32 = MASTER_HZ / FRAME_RATE / LINE_LENGTH - HEIGHT - SPARE_LINES as u32;
 

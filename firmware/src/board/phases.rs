@@ -6,10 +6,13 @@ use critical_section::Mutex;
 use embassy_stm32::gpio::{Level, Output, Speed};
 use embassy_stm32::{Peri, pac, peripherals};
 
+use super::this::clock;
 use crate::app::phase::{Activities, Activity, Phase};
 
 /// Whether they are in use.
 const ARE_USED: bool = cfg!(feature = "measure");
+/// How long a phase between two others lasts: longer than a slow pin's edge, and less than a sample of most meters, 100 ns.
+const BETWEEN: u32 = clock::CORE / 10_000_000;
 /// Their numbers on port E.
 const LOW: usize = 9;
 const HIGH: usize = 11;
@@ -30,7 +33,12 @@ pub fn tell(activity: Activity, is_on: bool) {
     if ARE_USED {
         critical_section::with(|cs| {
             let mut activities = ACTIVITIES.borrow(cs).get();
+            let before = activities.phase();
             if let Some(phase) = activities.set(activity, is_on) {
+                if let Some(between) = before.between(phase) {
+                    show(between);
+                    cortex_m::asm::delay(BETWEEN);
+                }
                 show(phase);
             }
             ACTIVITIES.borrow(cs).set(activities);
@@ -38,7 +46,6 @@ pub fn tell(activity: Activity, is_on: bool) {
     }
 }
 
-/// Both pins at once.
 fn show(phase: Phase) {
     let [low, high] = phase.pins();
     pac::GPIOE.bsrr().write(|w| {

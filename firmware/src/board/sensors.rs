@@ -3,13 +3,12 @@
 use embassy_futures::yield_now;
 use embassy_stm32::i2c::{Error, I2c, Master};
 use embassy_stm32::mode::Blocking;
-use embassy_stm32::peripherals::TIM3;
-use embassy_stm32::timer::simple_pwm::SimplePwm;
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use embassy_sync::signal::Signal;
 use embassy_time::{Duration, Instant, Timer};
 
 use super::pair::{COPIES, IS_TRIGGERED, Model, SETUPS};
+use super::trigger::Trigger;
 use crate::sensor::exposure::ExposureCopy;
 use crate::sensor::{self, Sensor, SensorError};
 
@@ -44,7 +43,7 @@ pub struct Sensors {
     /// The buses; the second one is in use only where each sensor has its own.
     pub buses: [Bus; 2],
     /// Starts a frame of both.
-    pub trigger: SimplePwm<'static, TIM3>,
+    pub trigger: Trigger,
 }
 
 /// Sets both sensors up, tries until they answer; tells by `ready` that they are, starts them, and lets the second expose as
@@ -68,9 +67,8 @@ pub async fn run(sensors: Sensors, ready: &Ready) {
         }
     }
     if IS_TRIGGERED {
-        // Long pulses: the sensors look at the edge.
-        trigger.ch1().set_duty_cycle_percent(10);
-        trigger.ch1().enable();
+        trigger.start();
+        trigger.sleep_between_frames();
     }
     if !COPIES {
         core::future::pending::<()>().await;

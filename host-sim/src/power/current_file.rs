@@ -1,18 +1,14 @@
 //! The tables that a PPK2 or a Joulescope exports, read row by row.
 
-use std::io::{ErrorKind, Read};
+use std::io::Read;
 
-use anyhow::{Context, Result, bail, ensure};
-use csv::ByteRecord;
-
+use super::lines::Lines;
 use super::phase::Phase;
 use super::{decimal, time};
+use anyhow::{Context, Result, bail, ensure};
 
 /// No meter that writes these files measures more, A.
 const MOST_AMPERES: f64 = 20.0;
-
-/// Bytes of a line that has no end.
-const LONGEST_LINE: usize = 1 << 16;
 
 /// What a row tells.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -71,9 +67,18 @@ enum Pins {
 /// A file that is read.
 #[derive(Debug)]
 pub struct CurrentFile<R> {
-    records: csv::Reader<Lines<R>>,
-    record: ByteRecord,
+    lines: Lines<R>,
+    format: RowFormat,
     kind: Kind,
+    /// Where the fields of the row that was read last end.
+    ends: Vec<usize>,
+    rows: u64,
+    is_cut: bool,
+}
+
+/// Which columns a row's sample is in.
+#[derive(Debug)]
+struct RowFormat {
     /// Column of the times, and a second in their unit.
     time: Option<(usize, f64)>,
     period: f64,
@@ -86,32 +91,6 @@ pub struct CurrentFile<R> {
     pins: Option<Pins>,
     /// Columns that each row must have.
     columns: usize,
-    rows: u64,
-    /// The row that was read last.
-    waiting: Option<Result<Sample>>,
-    is_cut: bool,
-}
-
-/// Counts the bytes of the line that comes: at the end of a file it may be cut off, and it may have no end at all.
-#[derive(Debug)]
-struct Lines<R> {
-    from: R,
-    unended: usize,
-}
-
-impl<R: Read> Read for Lines<R> {
-    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
-        let count = self.from.read(buffer)?;
-        match buffer[..count].iter().rposition(|&byte| byte == b'\n') {
-            Some(at) => self.unended = count - 1 - at,
-            None => self.unended += count,
-        }
-        if self.unended > LONGEST_LINE {
-            let told = format!("has a line of more than {LONGEST_LINE} bytes, which no table of currents has");
-            return Err(std::io::Error::new(ErrorKind::InvalidData, told));
-        }
-        Ok(count)
-    }
 }
 
 impl<R: Read> CurrentFile<R> {
@@ -120,13 +99,11 @@ impl<R: Read> CurrentFile<R> {
     /// # Errors
     /// If it is none of these kinds, or does not tell what is needed.
     pub fn open(from: R, setup: &Setup) -> Result<Self> {
-        let reader = Lines { from, unended: 0 };
-        let mut records =
-            csv::ReaderBuilder::new().has_headers(false).flexible(true).quoting(false).from_reader(reader);
-        let mut head = ByteRecord::new();
-        ensure!(records.read_byte_record(&mut head)?, "the file is empty, where a table of currents is expected");
+        let mut lines = Lines::new(from);
+        let head = lines.next()?.context("the file is empty, where a table of currents is expected")?;
         let names: Vec<String> = head
-            .iter()
+            .text
+            .split(|&byte| byte == b',')
             .map(|name| String::from_utf8_lossy(name).trim_matches(['#', ' ', '\u{feff}']).to_owned())
             .collect();
         let kind = kind(&names)?;
@@ -151,23 +128,8 @@ impl<R: Read> CurrentFile<R> {
             None => 0,
         };
         let columns = 1 + needed.max().unwrap_or_default().max(digital);
-        let record = ByteRecord::new();
-        Ok(Self {
-            records,
-            record,
-            kind,
-            time,
-            period,
-            current,
-            voltage,
-            power,
-            volts,
-            pins,
-            columns,
-            rows: 0,
-            waiting: None,
-            is_cut: false,
-        })
+        let format = RowFormat { time, period, current, voltage, power, volts, pins, columns };
+        Ok(Self { lines, format, kind, ends: vec![0; columns], rows: 0, is_cut: false })
     }
 
     /// Who wrote it.
@@ -179,7 +141,7 @@ impl<R: Read> CurrentFile<R> {
     /// Whether it tells phases.
     #[must_use]
     pub fn has_phases(&self) -> bool {
-        self.pins.is_some()
+        self.format.pins.is_some()
     }
 
     /// Whether its last row was cut off.
@@ -192,57 +154,91 @@ impl<R: Read> CurrentFile<R> {
     ///
     /// # Errors
     /// Names the line where one cannot be read.
+    #[inline]
     pub fn read(&mut self) -> Result<Option<Sample>> {
-        while self.records.read_byte_record(&mut self.record)? {
-            self.rows += 1;
-            let sample = self.sample();
-            // Whether a row is the last one, and then perhaps cut off, only the next one tells.
-            if let Some(before) = self.waiting.replace(sample) {
-                return before.map(Some).with_context(|| format!("line {}", self.rows));
-            }
-        }
-        Ok(match self.waiting.take() {
-            Some(Ok(sample)) if self.records.get_ref().unended == 0 => Some(sample),
-            Some(Err(_)) => {
-                self.is_cut = true;
-                None
-            }
+        let Some(line) = self.lines.next()? else { return Ok(None) };
+        self.rows += 1;
+        match self.format.sample(line.text, &mut self.ends, self.rows) {
+            Ok(sample) if line.is_ended => Ok(Some(sample)),
             // Nothing ends the line: it may be cut off within a number.
-            _ => None,
-        })
+            Ok(_) => Ok(None),
+            Err(error) => self.refuse(error),
+        }
     }
 
-    fn sample(&self) -> Result<Sample> {
-        ensure!(self.record.len() >= self.columns, "has {} of {} columns", self.record.len(), self.columns);
-        let seconds = match self.time {
-            Some((column, unit)) => {
-                unit * time::seconds(&self.record[column]).with_context(|| self.no_number(column))?
+    /// A row that cannot be read is the last one, then perhaps cut off, or an error.
+    #[cold]
+    fn refuse(&mut self, error: anyhow::Error) -> Result<Option<Sample>> {
+        let number = self.lines.number();
+        if self.lines.next()?.is_some() {
+            return Err(error.context(format!("line {number}")));
+        }
+        self.is_cut = true;
+        Ok(None)
+    }
+}
+
+/// A row, and where each of its first fields ends.
+#[derive(Clone, Copy)]
+struct Row<'a> {
+    text: &'a [u8],
+    ends: &'a [usize],
+}
+
+impl<'a> Row<'a> {
+    #[inline]
+    fn field(&self, column: usize) -> &'a [u8] {
+        let begin = if column == 0 { 0 } else { self.ends[column - 1] + 1 };
+        &self.text[begin..self.ends[column]]
+    }
+
+    #[inline]
+    fn number(&self, column: usize) -> Result<f64> {
+        decimal::number(self.field(column)).with_context(|| self.no_number(column))
+    }
+
+    #[inline]
+    fn seconds(&self, column: usize) -> Result<f64> {
+        time::seconds(self.field(column)).with_context(|| self.no_number(column))
+    }
+
+    fn no_number(&self, column: usize) -> String {
+        format!("{:?} is no number", String::from_utf8_lossy(self.field(column)))
+    }
+}
+
+impl RowFormat {
+    #[inline]
+    fn sample(&self, text: &[u8], ends: &mut [usize], nth: u64) -> Result<Sample> {
+        let mut found = 0;
+        for end in memchr::memchr_iter(b',', text).chain([text.len()]) {
+            ends[found] = end;
+            found += 1;
+            if found == ends.len() {
+                break;
             }
-            None => self.rows as f64 * self.period,
+        }
+        ensure!(found == self.columns, "has {found} of {} columns", self.columns);
+        let row = Row { text, ends };
+        let seconds = match self.time {
+            Some((column, unit)) => unit * row.seconds(column)?,
+            None => nth as f64 * self.period,
         };
-        let amperes = self.current.1 * self.number(self.current.0)?;
+        let amperes = self.current.1 * row.number(self.current.0)?;
         ensure!(
             amperes.abs() <= MOST_AMPERES,
             "{amperes} A is more than such a meter measures: is the file's unit another one?"
         );
         let watts = match (self.power, self.voltage) {
-            (Some(power), _) => self.number(power)?,
-            (None, Some(voltage)) => amperes * self.number(voltage)?,
+            (Some(power), _) => row.number(power)?,
+            (None, Some(voltage)) => amperes * row.number(voltage)?,
             (None, None) => amperes * self.volts,
         };
-        Ok(Sample { seconds, watts, phase: self.phase() })
-    }
-
-    fn number(&self, column: usize) -> Result<f64> {
-        decimal::number(&self.record[column]).with_context(|| self.no_number(column))
-    }
-
-    fn no_number(&self, column: usize) -> String {
-        format!("{:?} is no number", String::from_utf8_lossy(&self.record[column]))
+        Ok(Sample { seconds, watts, phase: self.phase(row) })
     }
 
     /// Unknown where a pin was not read (`-`) or changed within the sample (`X`, or a mean of both levels).
-    fn phase(&self) -> Option<Phase> {
+    fn phase(&self, row: Row<'_>) -> Option<Phase> {
         let level = |field: &[u8]| match field {
             b"0" | b"0.0" => Some(false),
             b"1" | b"1.0" => Some(true),
@@ -253,9 +249,9 @@ impl<R: Read> CurrentFile<R> {
             },
         };
         let [low, high] = match self.pins.as_ref()? {
-            Pins::Columns(columns) => columns.map(|column| level(&self.record[column])),
+            Pins::Columns(columns) => columns.map(|column| level(row.field(column))),
             Pins::Letters(column, pins) => {
-                let letters = &self.record[*column];
+                let letters = row.field(*column);
                 pins.map(|pin| level(letters.get(pin..=pin)?))
             }
         };

@@ -204,36 +204,4 @@ mod tests {
         assert!(table(&["5", "5", "5"]).contains("do not go on"));
         assert!(table(&["5"]).contains("1 whole rows"));
     }
-
-    /// As a ratio, so that it holds on any machine.
-    #[cfg(not(debug_assertions))]
-    #[test]
-    fn it_takes_at_most_twice_the_time_of_plain_reading() {
-        use std::time::Instant;
-        // Few rows and many rounds: on a busy machine one of each is not disturbed.
-        const ROWS: u32 = 30_000;
-        let mut csv = String::from("Timestamp(ms),Current(uA),D0-D7,D0,D1,D2,D3,D4,D5,D6,D7\n");
-        for index in 0..ROWS {
-            let microamperes = 20_000.0 + f64::from(index * 7919 % 10_007);
-            csv += &format!("{:.2},{microamperes:.3},11000000,1,1,0,0,0,0,0,0\n", f64::from(index) * 0.01);
-        }
-        let timed = |what: &dyn Fn()| {
-            let begin = Instant::now();
-            what();
-            begin.elapsed().as_secs_f64()
-        };
-        let plain = || {
-            let mut reader = csv::Reader::from_reader(csv.as_bytes());
-            let (mut record, mut rows) = (csv::ByteRecord::new(), 0);
-            while reader.read_byte_record(&mut record).unwrap() {
-                rows += record.len();
-            }
-            assert_eq!(rows, 11 * ROWS as usize);
-        };
-        let measured = || assert_eq!(read(&csv).unwrap().samples, u64::from(ROWS));
-        let rounds = (0..60).map(|_| (timed(&plain), timed(&measured)));
-        let [plain, measured] = rounds.fold([f64::INFINITY; 2], |[a, b], (plain, ours)| [a.min(plain), b.min(ours)]);
-        println!("{:.2} times as long as plain reading", measured / plain);
-        assert!(measured <= 2.0 * plain, "{measured} s, plain reading {plain} s");
-    }
 }

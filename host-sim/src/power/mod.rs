@@ -10,6 +10,7 @@
 pub mod blocks;
 pub mod current_file;
 mod decimal;
+mod lines;
 pub mod measurement;
 pub mod page;
 pub mod phase;

@@ -81,6 +81,8 @@ pub struct Sensor {
     pub clock: Option<u64>,
     /// It says to be another one.
     pub is_another: bool,
+    /// When it goes into standby and leaves it, ns.
+    pub standby: Option<[u64; 2]>,
 }
 
 /// A sensor that its bus and the camera interface share.
@@ -96,6 +98,7 @@ impl Sensor {
             after_reset: AFTER_RESET,
             clock: None,
             is_another: false,
+            standby: None,
         }
     }
 
@@ -168,7 +171,14 @@ impl Sensor {
     }
 
     fn answers(&self, address: u8, now: u64) -> bool {
-        self.addresses().contains(&address) && self.clock.is_some() && now >= self.silent_until
+        // In standby the bus is off (MT9V034/D, appendix A).
+        let is_awake = self.standby.is_none_or(|[begin, end]| now < begin || now >= end);
+        self.addresses().contains(&address) && self.clock.is_some() && now >= self.silent_until && is_awake
+    }
+
+    /// Whether it is awake so long after its standby, ns: 10 clocks (the same).
+    pub fn wakes_within(&self, nanos: u64) -> bool {
+        self.clock.is_some_and(|clock| nanos * clock >= 10 * 1_000_000_000)
     }
 }
 

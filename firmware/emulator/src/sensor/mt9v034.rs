@@ -138,6 +138,9 @@ mod tests {
         sensor.begin_frame();
         let Timing { pixels, lines, line, integration, .. } = sensor.timing();
         assert_eq!((pixels, lines, line, integration), (320, 240, 100_000, 3_000_000));
+        assert!(sensor.answers(ADDRESS, 0) && sensor.wakes_within(667) && !sensor.wakes_within(666));
+        sensor.standby = Some([100, 200]);
+        assert_eq!([99, 100, 199, 200].map(|now| sensor.answers(ADDRESS, now)), [true, false, false, true]);
         for clock in [8_000_000, 30_000_000] {
             sensor.clock = Some(clock);
             assert_eq!(sensor.timing().mode, Mode::Off, "{clock} Hz");

@@ -138,8 +138,7 @@ async fn set_up(report: &mut Report, buses: &mut [Bus; 2]) -> Option<[u8; 2]> {
 async fn signals(report: &mut Report, camera: &mut Camera, sensors: &mut Sensors, addresses: [u8; 2]) -> bool {
     tell_all(&mut sensors.buses, addresses, |setup| Some(Model::start(setup)));
     if IS_TRIGGERED {
-        sensors.trigger.ch1().set_duty_cycle_percent(10);
-        sensors.trigger.ch1().enable();
+        sensors.trigger.start();
     }
     camera.begin();
     // The first frames may be of before.

@@ -10,7 +10,7 @@
 //! | DCMI D8 to D13 | PC10 PC12 PD6 PD2 PF11 PG15 | D4 to D9 of the second | not in use |
 //! | DCMI PIXCLK, HSYNC, VSYNC | PA6, PA4, PG9 | PIXCLK, LINE_VALID, FRAME_VALID of the first | the first's, or the multiplexer's |
 //! | MCO1 | PA8 | 13.15 MHz: SYSCLK of both | 8 MHz: MCLK of both |
-//! | TIM3 CH1 | PB4 | EXPOSURE of both | not in use |
+//! | TIM3 CH1, CH2 | PB4, PB5 | EXPOSURE and STANDBY of both | not in use |
 //! | I2C1 SCL, SDA | PB8, PB9 | first sensor | both |
 //! | I2C2 SCL, SDA | PF1, PF0 | second sensor | not in use |
 //! | USART1 TX | PB6 | row packets, 12 Mbaud | |

@@ -22,6 +22,10 @@ pub const MASTER_HZ: u32 = HSE;
 pub const CLOCK_BYTES: usize = 1;
 /// They show frame after frame.
 pub const IS_TRIGGERED: bool = false;
+/// No trigger, no standby.
+pub const WAKE_US: u32 = 0;
+/// The same.
+pub const AWAKE_US: Option<u32> = None;
 
 /// Data lines of each sensor.
 const LINES: Lines = match WIRING.kind {

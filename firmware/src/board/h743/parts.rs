@@ -1,13 +1,11 @@
 //! What the application works with, on the pins of this board.
 
-use embassy_stm32::gpio::{Flex, OutputType, Speed};
+use embassy_stm32::gpio::{Flex, Speed};
 use embassy_stm32::peripherals::{DMA1_CH0, DMA1_CH1, DMA1_CH2, IWDG1};
 use embassy_stm32::rcc::{Mco, McoConfig};
 #[cfg(sensor = "mt9v034")]
 use embassy_stm32::rcc::{Mco1Source, McoPrescaler};
 use embassy_stm32::time::Hertz;
-use embassy_stm32::timer::low_level::CountingMode;
-use embassy_stm32::timer::simple_pwm::{PwmPin, SimplePwm};
 use embassy_stm32::usart::{self, UartTx};
 use embassy_stm32::wdg::IndependentWatchdog;
 use embassy_stm32::{Peripherals, bind_interrupts, dma, i2c};
@@ -18,11 +16,11 @@ use super::dma_ring::DmaRing;
 #[cfg(sensor = "hm01b0")]
 use super::pair_hm01b0::MASTER_CLOCK;
 use super::start;
-use crate::app::settings::FRAME_RATE;
 use crate::board::camera::{Camera, Pins, PortHandler};
 use crate::board::dma_memory::DmaCell;
 use crate::board::sensors::Sensors;
 use crate::board::serial::Serial;
+use crate::board::trigger::Trigger;
 use crate::board::watchdog::{self, Watchdog};
 use crate::board::{free_bus, phases};
 use crate::dma_cell;
@@ -83,9 +81,7 @@ impl Parts {
         let (source, prescaler) = if start::source() == Source::Crystal { by_crystal } else { without };
         (mco.prescaler, mco.speed) = (prescaler, Speed::Medium);
         let _master_clock = Mco::new(p.MCO1, p.PA8, source, mco);
-        let pin = PwmPin::new(p.PB4, OutputType::PushPull);
-        let rate = Hertz(FRAME_RATE);
-        let trigger = SimplePwm::new(p.TIM3, Some(pin), None, None, None, rate, CountingMode::EdgeAlignedUp);
+        let trigger = Trigger::new(p.TIM3, p.PB4, p.PB5);
         free_bus::free(1, Flex::new(p.PB8.reborrow()), Flex::new(p.PB9.reborrow()));
         free_bus::free(2, Flex::new(p.PF1.reborrow()), Flex::new(p.PF0.reborrow()));
         let mut config = i2c::Config::default();

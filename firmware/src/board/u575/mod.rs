@@ -7,7 +7,7 @@
 //! | DCMI D7 to D13 | PE6 PC10 PC12 PD6 PD2 PF6 PG15 | D3 to D9 of the second |
 //! | DCMI PIXCLK, HSYNC, VSYNC | PA6, PA4, PB7 | PIXCLK, LINE_VALID, FRAME_VALID of the first |
 //! | TIM1 CH1 | PA8 | 13.33 or 13.5 MHz: SYSCLK of both |
-//! | TIM3 CH1 | PB4 | EXPOSURE of both |
+//! | TIM3 CH1, CH2 | PB4, PB5 | EXPOSURE and STANDBY of both |
 //! | I2C1 SCL, SDA | PB8, PB9 | first sensor |
 //! | I2C2 SCL, SDA | PF1, PF0 | second sensor |
 //! | USART1 TX | PB6 | row packets, 8 or 4 Mbaud |

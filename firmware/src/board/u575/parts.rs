@@ -12,11 +12,11 @@ use embassy_time::Duration;
 
 use super::clock::{ROWS_BAUD, SENSORS_HZ};
 use super::dma_ring::DmaRing;
-use crate::app::settings::FRAME_RATE;
 use crate::board::camera::{Camera, Pins, PortHandler};
 use crate::board::dma_memory::DmaCell;
 use crate::board::sensors::Sensors;
 use crate::board::serial::Serial;
+use crate::board::trigger::Trigger;
 use crate::board::watchdog::{self, Watchdog};
 use crate::board::{free_bus, phases};
 use crate::dma_cell;
@@ -69,9 +69,7 @@ impl Parts {
         clock.ch1().set_duty_cycle_percent(50);
         clock.ch1().enable();
         core::mem::forget(clock);
-        let pin = PwmPin::new(p.PB4, OutputType::PushPull);
-        let rate = Hertz(FRAME_RATE);
-        let trigger = SimplePwm::new(p.TIM3, Some(pin), None, None, None, rate, CountingMode::EdgeAlignedUp);
+        let trigger = Trigger::new(p.TIM3, p.PB4, p.PB5);
         free_bus::free(1, Flex::new(p.PB8.reborrow()), Flex::new(p.PB9.reborrow()));
         free_bus::free(2, Flex::new(p.PF1.reborrow()), Flex::new(p.PF0.reborrow()));
         let mut config = i2c::Config::default();

@@ -41,6 +41,9 @@ pub(in crate::command) struct Args {
     /// The two sensors; none plans for the core alone
     #[arg(long, value_enum, default_value_t = SensorPair::Mt9v034)]
     sensor: SensorPair,
+    /// The rig's exposure_lines, a fixed integration: with it two MT9V034 are in standby between frames; else they are always on
+    #[arg(long, value_name = "LINES", value_parser = clap::value_parser!(u16).range(1..))]
+    exposure_lines: Option<u16>,
     /// Charge of the battery, mAh, for the hours
     #[arg(long, value_name = "mAh", value_parser = charge, requires = "volts")]
     battery: Option<f64>,
@@ -115,6 +118,10 @@ impl Args {
             let is_right = value.is_none_or(|value| value > 0.0 && value <= most);
             ensure!(is_right, "{option} {}: must be more than 0, and {most} at most", value.unwrap_or_default());
         }
+        ensure!(
+            self.exposure_lines.is_none() || self.sensor == SensorPair::Mt9v034,
+            "--exposure-lines: these sensors have no standby between frames, leave it out"
+        );
         let is_page = self.output.as_ref().is_none_or(|path| path.extension().is_some_and(|suffix| suffix == "html"));
         ensure!(is_page, "-o {}: the name must end in .html", self.output.clone().unwrap_or_default().display());
         Ok(())
@@ -134,6 +141,7 @@ impl Args {
                 SensorPair::Hm01b0 => Some(SensorModel::Hm01b0),
                 SensorPair::None => None,
             },
+            exposure_lines: self.exposure_lines,
             battery: self.battery.zip(self.volts).map(|(mah, volts)| Battery { mah, volts }),
         })
     }
@@ -182,6 +190,9 @@ impl Args {
         let mut line = format!("haarline power plan --all --size {width}x{height} --fps {}", self.fps);
         if let Some(board) = self.board {
             line += &format!(" --board {}", board.name());
+        }
+        if let Some(lines) = self.exposure_lines {
+            line += &format!(" --exposure-lines {lines}");
         }
         if let Some((mah, volts)) = self.battery.zip(self.volts) {
             line += &format!(" --battery {mah}mAh --volts {volts}");
@@ -242,13 +253,17 @@ fn text(plan: &Plan) -> String {
                 "not sure: with the most of any input and of the model of cycles it would be too slow at that clock\n",
             );
         }
+        let mut sensors = format!("{:.1} mW", budget.sensors_mw);
+        if budget.standby_percent > 0.0 {
+            sensors += &format!(", in standby for {:.0} % of the time", budget.standby_percent);
+        }
         for (name, value) in [
-            ("core", range(budget.core_mw, 1)),
-            ("sensors", format!("{:.1}", budget.sensors_mw)),
-            ("supply", range(budget.supply_mw, 1)),
-            ("total", range(budget.total_mw, 1)),
+            ("core", range(budget.core_mw, 1) + " mW"),
+            ("sensors", sensors),
+            ("supply", range(budget.supply_mw, 1) + " mW"),
+            ("total", range(budget.total_mw, 1) + " mW"),
         ] {
-            let _ = writeln!(text, "{name:<8} {value} mW");
+            let _ = writeln!(text, "{name:<8} {value}");
         }
         let _ = writeln!(text, "core     {} nJ a pixel", range(plan.points[nth].nj_per_pixel, 2));
         let _ = writeln!(text, "total    {:.1} frames a joule", budget.frames_per_joule);

@@ -5,7 +5,8 @@ use serde::Serialize;
 
 use super::cost::{Costs, InputCost};
 use super::counts::Input;
-use super::currents::{Board, Chip, Currents, OperatingPoint, SensorModel};
+use super::currents::{Board, Chip, Currents, OperatingPoint, Sensor, SensorModel};
+use super::standby;
 use crate::stereo::method::MethodKind;
 use crate::twin::cycles::Range;
 
@@ -34,8 +35,17 @@ pub struct Request {
     pub fps: f64,
     /// The sensors, unless they are somebody else's.
     pub sensor: Option<SensorModel>,
+    /// Their fixed integration, lines, with which they sleep between frames; else they are always on.
+    pub exposure_lines: Option<u16>,
     /// What it runs from.
     pub battery: Option<Battery>,
+}
+
+impl Request {
+    /// Part of the time that the sensors are awake.
+    fn awake(&self) -> f64 {
+        self.exposure_lines.map_or(1.0, |lines| standby::awake(self.width, self.height, lines, self.fps))
+    }
 }
 
 /// A battery.
@@ -82,8 +92,10 @@ pub struct Point {
 pub struct Budget {
     /// Mean power of the core.
     pub core_mw: Range,
-    /// Power of both sensors.
+    /// Mean power of both sensors.
     pub sensors_mw: f64,
+    /// Part of the time that these are in standby, %.
+    pub standby_percent: f64,
     /// What the supply loses.
     pub supply_mw: Range,
     /// All of it.
@@ -239,7 +251,13 @@ impl Planner<'_> {
 
     fn budget(&self, request: &Request, core_mw: Range) -> Result<Budget> {
         let sensor = request.sensor.map(|model| self.currents.sensor(model)).transpose()?;
-        let sensors_mw = sensor.map_or(0.0, |sensor| SENSORS * sensor.volts * sensor.active.ma);
+        let (mut sensors_mw, mut standby_percent) = (0.0, 0.0);
+        if let Some(Sensor { volts, active, standby }) = sensor {
+            // Of somebody's own currents without one: as if it never slept.
+            let (awake, standby) = (request.awake(), standby.as_ref().unwrap_or(active));
+            sensors_mw = SENSORS * volts * (awake * active.ma + (1.0 - awake) * standby.ma);
+            standby_percent = 100.0 * (1.0 - awake);
+        }
         let efficiency = self.currents.supply.efficiency;
         let total_mw = core_mw.map(|core| (core + sensors_mw) / efficiency);
         let hours = request.battery.map(|Battery { mah, volts }| {
@@ -249,6 +267,7 @@ impl Planner<'_> {
         Ok(Budget {
             core_mw,
             sensors_mw,
+            standby_percent,
             supply_mw: total_mw.map(|total| total * (1.0 - efficiency)),
             total_mw,
             frames_per_joule: 1e3 * request.fps / total_mw.likely,
@@ -285,6 +304,9 @@ impl Planner<'_> {
             let sensor = self.currents.sensor(model)?;
             let (ma, source) = (sensor.active.ma, sensor.active.source()?);
             sources.push(format!("each {} takes {ma} mA at {} V: {source}", model.name(), sensor.volts));
+            if let Some(standby) = sensor.standby.as_ref().filter(|_| request.awake() < 1.0) {
+                sources.push(format!("each takes {} mA in standby: {}", standby.ma, standby.source()?));
+            }
         }
         if plan.chosen.is_some() {
             let supply = &self.currents.supply;
@@ -352,6 +374,7 @@ mod tests {
             disparities: 48,
             fps: 30.0,
             sensor: Some(SensorModel::Mt9v034),
+            exposure_lines: None,
             battery: Some(Battery { mah: 1000.0, volts: 3.7 }),
         }
     }
@@ -380,7 +403,26 @@ mod tests {
             let busy = plan.cycles_per_pixel.likely * pixels / at.mhz / 1e6;
             let expected = chip.volts * (busy * at.run.ma + (1.0 - busy) * at.sleep.ma);
             assert!((budget.core_mw.likely - expected).abs() < 1e-9);
-            assert_eq!(plan.not_verified, plan.sources.len() - 1, "no current was looked up yet");
+            assert_eq!(plan.not_verified, plan.sources.len() - 2, "no current but the sensors' was looked up yet");
+        });
+    }
+
+    #[test]
+    fn sensors_that_sleep_between_frames_take_their_part_of_the_time() {
+        with(|planner| {
+            let budget = |exposure_lines| {
+                let plan = planner.plan(&Request { fps: 5.0, exposure_lines, ..request() }).unwrap();
+                (plan.budget.unwrap(), plan.sources.iter().any(|source| source.contains("in standby")))
+            };
+            let ((always, told), (sleeping, told_asleep)) = (budget(None), budget(Some(60)));
+            assert!(!told && told_asleep);
+            let Sensor { volts, active, standby } = planner.currents.sensor(SensorModel::Mt9v034).unwrap();
+            let standby = standby.as_ref().unwrap().ma;
+            assert!((always.sensors_mw - 2.0 * volts * active.ma).abs() < 1e-9 && always.standby_percent == 0.0);
+            let awake = 1.0 - sleeping.standby_percent / 100.0;
+            assert!((0.15..0.25).contains(&awake), "{awake}");
+            let expected = 2.0 * volts * (awake * active.ma + (1.0 - awake) * standby);
+            assert!((sleeping.sensors_mw - expected).abs() < 1e-9);
         });
     }
 

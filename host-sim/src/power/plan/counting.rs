@@ -23,31 +23,53 @@ pub const METHODS: [MethodKind; 7] = [
     MethodKind::Sgm,
 ];
 
-/// Widths and disparities that are counted and stored.
-pub const STORED: [(u16, u16); 18] = [
+/// Widths and disparities that are counted and stored: many widths, for the detail that is left of a scaled scene, and with it
+/// what the searches among extrema cost, varies from one to the next.
+pub const STORED: [(u16, u16); 28] = [
     (64, 16),
     (64, 32),
+    (80, 16),
+    (80, 32),
     (96, 16),
     (96, 32),
     (96, 48),
     (128, 32),
+    (128, 48),
     (128, 64),
-    (160, 64),
+    (160, 32),
+    (160, 48),
+    (160, 80),
     (192, 32),
-    (192, 48),
-    (192, 80),
+    (192, 64),
     (192, 96),
-    (256, 64),
+    (224, 48),
+    (224, 80),
+    (224, 112),
+    (256, 48),
+    (256, 80),
     (256, 128),
+    (288, 48),
+    (288, 96),
+    (288, 128),
     (320, 48),
-    (320, 64),
     (320, 80),
     (320, 128),
 ];
 
 /// Others, which what is computed from the stored ones is held against.
-pub const CHECKED: [(u16, u16); 9] =
-    [(80, 16), (112, 32), (176, 48), (208, 64), (240, 48), (240, 80), (288, 48), (288, 80), (304, 48)];
+pub const CHECKED: [(u16, u16); 11] = [
+    (72, 32),
+    (88, 32),
+    (112, 32),
+    (144, 64),
+    (176, 48),
+    (208, 64),
+    (240, 48),
+    (240, 112),
+    (272, 80),
+    (304, 48),
+    (304, 128),
+];
 
 /// Width of the scenes that are scaled, px.
 pub const WIDTH: u16 = 320;

@@ -133,6 +133,9 @@ pub struct Sensor {
     pub volts: f64,
     /// While it takes pictures.
     pub active: Current,
+    /// Between frames, where it sleeps then.
+    #[serde(default)]
+    pub standby: Option<Current>,
 }
 
 /// What makes the chip's voltage from the battery's.
@@ -184,7 +187,9 @@ impl Currents {
             currents.chip(*board).check().with_context(|| board.name())?;
         }
         for (name, sensor) in &currents.sensors {
-            sensor.active.source().with_context(|| format!("sensors.{name}"))?;
+            for current in [&sensor.active].into_iter().chain(&sensor.standby) {
+                current.source().with_context(|| format!("sensors.{name}"))?;
+            }
             ensure!(sensor.volts > 0.0, "sensors.{name}: volts must be more than 0");
         }
         let Supply { efficiency, document, not_verified } = &currents.supply;
@@ -262,7 +267,7 @@ mod tests {
                 _ => {}
             }
         }
-        assert!(found >= 19, "{found}");
+        assert!(found >= 20, "{found}");
         Currents::own().unwrap();
     }
 

@@ -131,6 +131,7 @@ mod tests {
             disparities: 48,
             fps: 30.0,
             sensor: None,
+            exposure_lines: None,
             battery: None,
         };
         let text = markdown(&planner, &Accuracy::stored().unwrap(), &request).unwrap();

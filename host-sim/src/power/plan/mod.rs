@@ -14,3 +14,4 @@ pub mod counts;
 pub mod currents;
 pub mod full_load;
 pub mod joules;
+pub mod standby;
