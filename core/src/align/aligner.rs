@@ -47,7 +47,7 @@ const PASSES: [Pass; 6] = [
 pub struct Settings {
     /// Columns and rows of a view, px.
     pub size: [u16; 2],
-    /// Greatest magnitude of a disparity, px: a quarter of the width by default.
+    /// Greatest magnitude of a disparity, px: three eighths of the width by default.
     pub max_disparity: u16,
 }
 
@@ -55,7 +55,7 @@ impl Settings {
     /// For views of that size.
     #[must_use]
     pub const fn new(size: [u16; 2]) -> Self {
-        Self { size, max_disparity: size[0] / 4 }
+        Self { size, max_disparity: size[0] / 8 * 3 }
     }
 }
 
@@ -336,7 +336,7 @@ impl<const WIDTH: usize> Bench<WIDTH> {
             self.line.add(twice, in_px, weight);
             // A block tells of the left view's rows.
             let rows_q16 = self.estimate.ramp.displacement_q16(twice) - 256 * in_px;
-            self.places.add(twice, self.settings.size, rows_q16, weight);
+            self.places.add(twice, self.settings.size, (rows_q16, in_px), weight);
             if pass.kind == Kind::Disparities {
                 self.disparities.add(self.blocks.disparity(block, offset), twice[1], weight);
             }
@@ -377,7 +377,10 @@ impl<const WIDTH: usize> Bench<WIDTH> {
             }
             Kind::Disparities | Kind::Line => {
                 if let Some(plane) = self.line.solve(self.settings.size) {
-                    let [rows, roll, scale] = plane.q16;
+                    // What blocks of one part have in common is the lens's: in the end the parts count.
+                    let is_last = self.pass + 1 == PASSES.len();
+                    let by_parts = if is_last { self.places.solve(self.settings.size) } else { None };
+                    let [rows, roll, scale] = by_parts.unwrap_or(plane).q16;
                     let ramp = &mut self.estimate.ramp;
                     ramp.rows_q16 -= rows;
                     ramp.roll_q16 -= roll;

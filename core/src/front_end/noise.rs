@@ -1,7 +1,7 @@
 //! How noisy the frame is, judged from the rows that came so far.
 
 use crate::front_end::exposure::Gain;
-use crate::lanes::rows::{Mean, second_difference, second_difference_of};
+use crate::lanes::rows::{Mean, second_difference, second_difference_in};
 
 const BINS: usize = 64;
 /// Counts are halved here, so that they fit their 16 bits and old rows count less.
@@ -48,13 +48,6 @@ impl NoiseHistogram {
         }
         self.total = total;
         self.make_room();
-    }
-
-    fn add(&mut self, second: usize, weight: u16) {
-        if let Some(bin) = self.bins.get_mut(second.min(BINS - 1)) {
-            *bin += weight;
-            self.total += weight;
-        }
     }
 
     /// Halves the counts once they are many.
@@ -115,11 +108,14 @@ impl RawNoise {
     pub(crate) fn sample(&mut self, views: [[&[u8]; 3]; 2], first: usize, stride: usize, weight: u16) {
         for (histogram, rows) in self.histograms.iter_mut().zip(views) {
             let width = rows.map(<[u8]>::len).into_iter().min().unwrap_or(0);
+            let rows = rows.map(|row| row.get(..width).unwrap_or(&[]));
+            let mut total = histogram.total;
             for x in (first.max(1)..width.saturating_sub(2)).step_by(stride) {
-                let four = |row: &[u8]| row.get(x - 1..x + 3).and_then(<[u8]>::first_chunk).copied();
-                let words = rows.map(|row| four(row).map_or(0, u32::from_le_bytes));
-                histogram.add(second_difference_of(words) as usize, weight);
+                let second = second_difference_in(rows, x - 1) as usize;
+                histogram.bins[second.min(BINS - 1)] += weight;
+                total += weight;
             }
+            histogram.total = total;
             histogram.make_room();
         }
     }

@@ -1,179 +1,190 @@
 //! Rectification's innermost loops: pixels between two rows and between columns, four at once by one place; and rows copied.
 //!
-//! Written in full for Cortex-M: 31 instructions for four pixels, 36 where rows change. Held against portable code on every target
-//! that has both.
+//! Written in full for Cortex-M: 32 instructions for four pixels, 34 where their rows do not follow each other in memory, and 40
+//! more for a segment of eight times four. The emulated chip's rows are held against those of portable code on the host.
 #![allow(clippy::cast_possible_truncation, clippy::cast_possible_wrap, reason = "a run is a few pixels")]
 
 /// Pixels that share a place.
 pub(crate) const RUN: usize = 4;
 /// Pixels that are made at once.
 pub(crate) const SEGMENT: usize = 8 * RUN;
+/// Rows between which places go straight.
+pub(crate) const KNOT_ROWS: usize = 8;
 
-/// Where the runs of a segment lie, 1/65536 px, and how that changes from row to row.
+/// Where the runs of a segment lie in one direction, 1/65536 px.
 ///
-/// Place of the first run's first column; from a run to the next one; by how much that grows from a pair of runs to the next
-/// one; growth of the first two from row to row.
-pub(crate) type Across = [i32; 5];
-
-/// Where the runs of a segment lie down, 1/65536 px, and how that changes from row to row.
-///
-/// Place of the first run; from a run to the next one; by how much that grows; growth of the three from row to row.
-pub(crate) type Down = [i32; 6];
-
-/// Whether a segment's runs read columns 0 to `last` only.
-#[cfg(any(not(haarline_dsp), test))]
-#[inline(always)]
-const fn is_within([at, step, bend, ..]: Across, last: u16) -> bool {
-    // No place, no step is negative then, none that comes later, and nothing overflows.
-    let end = step.wrapping_add(bend.wrapping_mul(4));
-    let is_small = (bend.wrapping_add(1 << 20)).cast_unsigned() >> 21 == 0;
-    if (at | step | end).cast_unsigned() >> 27 != 0 || !is_small {
-        return false;
-    }
-    // After k pairs the second run lies at `at + (2 k + 1) step + k^2 bend`.
-    let eighth = at + 7 * step + 9 * bend;
-    (eighth >> 16) + 4 <= last as i32
-}
-
-/// Weights of the lower row, 1/16, for each run of a segment, 4 bits each, the first one lowest.
-pub(crate) type Weights = u32;
-
-/// The weight of a place down.
-#[cfg(any(not(haarline_dsp), test))]
-#[inline(always)]
-const fn weight(place: i32) -> u32 {
-    place.cast_unsigned() >> 12 & 15
-}
+/// Place of the first run; from a run to the next one; by how much that grows from a pair of runs to the next one.
+pub(crate) type Curve = [i32; 3];
 
 /// Places of the eight runs.
 #[inline(always)]
-pub(crate) const fn places([first, mut step, bend, ..]: Down) -> [i32; 8] {
+pub(crate) const fn places([first, mut step, bend]: Curve) -> [i32; 8] {
     let mut places = [first; 8];
     let mut k = 1;
     while k < 8 {
         places[k] = places[k - 1].wrapping_add(step);
-        step = step.wrapping_add(bend);
+        if k.is_multiple_of(2) {
+            step = step.wrapping_add(bend);
+        }
         k += 1;
     }
     places
 }
 
-/// Goes on to the row below. Of the row before: the first run's place, the weights, and 0 where all runs lie between the
-/// same rows.
-#[inline(always)]
-pub(crate) fn advance(down: &mut Down) -> (i32, Weights, u32) {
-    #[cfg(haarline_dsp)]
-    let told = advance_dsp(down);
-    #[cfg(not(haarline_dsp))]
-    let told = advance_portable(down);
-    told
+/// Part of how a segment's runs lie and how that changes from row to row. Only [`start`], [`aim`] and [`skip`] make one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(transparent)]
+pub(crate) struct Number(i32);
+
+impl Number {
+    pub(crate) const NONE: Self = Self(0);
 }
 
-#[cfg(any(not(haarline_dsp), test))]
-fn advance_portable(down: &mut Down) -> (i32, Weights, u32) {
-    let places = places(*down);
-    for k in 0..3 {
-        down[k] = down[k].wrapping_add(down[k + 3]);
+/// Numbers of a segment.
+pub(crate) const LEN: usize = 13;
+
+/// A segment's runs: for the next row place and step across, place and step down; by how much these grow from row to row; both
+/// bends; how far above and below the first run the others lie at most; by how much the bend down grows.
+pub(crate) type Segment = [Number; LEN];
+
+/// Stands for "too far above": such a segment is not made at once.
+const FAR: i32 = -(1 << 30);
+
+/// The curves across and down of the next row.
+#[inline(always)]
+pub(crate) const fn curves(segment: &Segment) -> [Curve; 2] {
+    let [x, x_step, y, y_step, _, _, _, _, x_bend, y_bend, ..] = *segment;
+    [[x.0, x_step.0, x_bend.0], [y.0, y_step.0, y_bend.0]]
+}
+
+/// A segment that stays as it is from row to row; it is not made before it is aimed.
+pub(crate) const fn start([[x, x_step, x_bend], [y, y_step, y_bend]]: [Curve; 2]) -> Segment {
+    let numbers = [x, x_step, y, y_step, 0, 0, 0, 0, x_bend, y_bend, FAR, 0, 0];
+    let mut segment = [Number::NONE; LEN];
+    let mut i = 0;
+    while i < LEN {
+        segment[i] = Number(numbers[i]);
+        i += 1;
     }
-    let weights = places.iter().rev().fold(0, |weights, &place| weights << 4 | weight(place));
-    let differ = places.iter().fold(0, |differ, &place| differ | (place ^ places[0]).cast_unsigned());
-    (places[0], weights, differ >> 16)
+    segment
 }
 
-/// The next run's place, its weight `$shift` bits up, and whether it lies between other rows.
-#[cfg(haarline_dsp)]
-macro_rules! next_place {
-    ($shift:literal) => {
-        concat!(
-            "add r4, r4, r2\n add r2, r2, r3\n ubfx r5, r4, #12, #4\n orr r0, r0, r5, lsl #",
-            $shift,
-            "\n eor r5, r4, r1\n orr r12, r12, r5\n"
-        )
-    };
-}
-
-/// The same in 51 instructions.
-#[cfg(haarline_dsp)]
-#[expect(unsafe_code, reason = "instructions that the language has no other name for")]
+/// Least and greatest place of a curve's runs beside its first one, some more.
 #[inline(always)]
-fn advance_dsp(down: &mut Down) -> (i32, Weights, u32) {
-    let (first, weights, differ);
-    // SAFETY: reads the six numbers and writes the first three of them.
-    unsafe {
-        core::arch::asm!(
-            "ldm r0, {{r1, r2, r3, r4, r5, r12}}",
-            "add r4, r4, r1",
-            "add r5, r5, r2",
-            "add r12, r12, r3",
-            "stm r0, {{r4, r5, r12}}",
-            "ubfx r0, r1, #12, #4",
-            "mov r4, r1",
-            "mov r12, #0",
-            next_place!("4"),
-            next_place!("8"),
-            next_place!("12"),
-            next_place!("16"),
-            next_place!("20"),
-            next_place!("24"),
-            next_place!("28"),
-            "lsr r12, r12, #16",
-            inout("r0") down.as_mut_ptr() => weights,
-            out("r1") first,
-            out("r2") _,
-            out("r3") _,
-            out("r4") _,
-            out("r5") _,
-            out("r12") differ,
-            options(nostack, preserves_flags),
-        );
+pub(crate) fn beside([_, step, bend]: Curve) -> [i32; 2] {
+    // After k pairs a run lies at `2 k step + k (k - 1) bend`, the one that follows it at `(2 k + 1) step + k^2 bend`: from
+    // the line to the last of them at most 3.15 bends away.
+    let end = 7 * step + 9 * bend;
+    let beyond = 4 * bend.abs();
+    [end.min(0) - beyond, end.max(0) + beyond]
+}
+
+/// Goes on from the next row so that [`KNOT_ROWS`] rows later the curves are `knot`, but the bend across at once; of a camera whose
+/// last column is `last`. Until then the segment may be made, and no longer.
+#[inline(always)]
+pub(crate) fn aim<const WIDTH: usize>(segment: &mut Segment, knot: [Curve; 2], last: u16) {
+    let [across, down] = curves(segment);
+    let [to_across, to_down] = knot;
+    let growth = |from: i32, to: i32| (to - from) >> 3;
+    let end = |from: i32, growth: i32| from + KNOT_ROWS as i32 * growth;
+    let x_growth = [0, 1].map(|k| growth(across[k], to_across[k]));
+    let y_growth = [0, 1, 2].map(|k| growth(down[k], to_down[k]));
+    // All places go straight from row to row: what holds at both ends holds between them.
+    let bend = to_across[2];
+    let ends = [[across[0], across[1]], [0, 1].map(|k| end(across[k], x_growth[k]))];
+    let is_inside = are_within(ends, bend, last) && usize::from(last) < WIDTH;
+    let [[a, b], [c, d]] = [down, [0, 1, 2].map(|k| end(down[k], y_growth[k]))].map(beside);
+    let [least, most] = [a.min(c), b.max(d)];
+    let least = if is_inside && most - least < MOST_APART << 16 { least } else { FAR };
+    let [a, b, c] = y_growth;
+    let values = [x_growth[0], x_growth[1], a, b, bend, down[2], least, most, c];
+    segment.iter_mut().skip(4).zip(values).for_each(|(number, value)| number.0 = value);
+}
+
+/// Goes on to the row below without making this one.
+#[inline(always)]
+pub(crate) fn skip(segment: &mut Segment) {
+    let [x, x_step, y, y_step, a, b, c, d, _, bend, _, _, e] = segment;
+    for (number, growth) in [(x, a), (x_step, b), (y, c), (y_step, d), (bend, e)] {
+        number.0 = number.0.wrapping_add(growth.0);
     }
-    (first, weights, differ)
 }
 
-/// Makes a segment, of the two rows `first` and, from the run `switch` on, of `then`, and goes on to the row below; whether
-/// all of it lies within these rows up to their column `last`. If not, nothing is made. Without a switch, 0 or 8 and more,
-/// all is made of `first`.
+/// Whether runs from either place on, in steps that begin with the place's own, read columns 0 to `last` only.
 #[inline(always)]
-pub(crate) fn mix_segment<const WIDTH: usize>(
-    first: [&[u8; WIDTH]; 2],
-    (switch, then): (u32, [&[u8; WIDTH]; 2]),
-    across: &mut Across,
-    last: u16,
-    weights: Weights,
-    out: &mut [u8; SEGMENT],
-) -> bool {
-    if usize::from(last) >= WIDTH {
+const fn are_within([[a, a_step], [b, b_step]]: [[i32; 2]; 2], bend: i32, last: u16) -> bool {
+    // No place, no step is negative then, none that comes later, and nothing overflows.
+    let four = bend.wrapping_mul(4);
+    let numbers = a | a_step | a_step.wrapping_add(four) | b | b_step | b_step.wrapping_add(four);
+    if numbers.cast_unsigned() >> 27 != 0 || bend.wrapping_add(1 << 20).cast_unsigned() >> 21 != 0 {
         return false;
     }
-    #[cfg(haarline_dsp)]
-    let is_made = dsp(first, (switch, then), across, last, weights, out);
-    #[cfg(not(haarline_dsp))]
-    let is_made = portable(first, (switch, then), across, last, weights, out);
-    is_made
+    // After k pairs the second run lies at `a + (2 k + 1) a_step + k^2 bend`.
+    let (a, b) = (a + 7 * a_step, b + 7 * b_step);
+    let eighth = if a > b { a } else { b } + 9 * bend;
+    (eighth >> 16) + 4 <= last as i32
 }
+
+/// Most rows that [`make`] takes.
+pub(crate) const MAX_ROWS: usize = 128;
+/// A segment lies between rows that are so many px apart, or a little fewer.
+const MOST_APART: i32 = 4;
+
+/// Rows of a camera: row `y` is at place `y % rows.len()`, of those from `first` to `last`.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct View<'a, const WIDTH: usize> {
+    pub(crate) rows: &'a [[u8; WIDTH]],
+    pub(crate) first: i32,
+    pub(crate) last: i32,
+}
+
+/// Makes a row of segments, which go on to the row below; how many of them, up to the first one that does not lie within the view or
+/// lies between too many rows.
+#[inline(always)]
+pub(crate) fn make<const WIDTH: usize>(
+    segments: &mut [Segment],
+    view: View<'_, WIDTH>,
+    out: &mut [[u8; SEGMENT]],
+) -> usize {
+    let View { rows, first, last } = view;
+    let len = i32::try_from(rows.len().min(MAX_ROWS + 1)).unwrap_or(0);
+    if len == 0 || rows.len() > MAX_ROWS || first < 0 || last - first >= len || last >= 1 << 14 {
+        return 0;
+    }
+    // Row at the first place.
+    let turn = first - first % len;
+    #[cfg(haarline_dsp)]
+    let made = dsp(segments, rows, [first, last, turn, turn + len], out);
+    #[cfg(not(haarline_dsp))]
+    let made = portable(segments, rows, [first, last, turn, turn + len], out);
+    made
+}
+
+/// First and last row, those at the first place, before and after a turn.
+type Rows = [i32; 4];
 
 #[cfg(any(not(haarline_dsp), test))]
 fn portable<const WIDTH: usize>(
-    first: [&[u8; WIDTH]; 2],
-    (switch, then): (u32, [&[u8; WIDTH]; 2]),
-    across: &mut Across,
-    last: u16,
-    weights: Weights,
-    out: &mut [u8; SEGMENT],
-) -> bool {
-    let [mut at, mut step, bend, grow, lengthen] = *across;
-    let is_inside = is_within(*across, last);
-    (across[0], across[1]) = (at.wrapping_add(grow), step.wrapping_add(lengthen));
-    if !is_inside {
-        return false;
+    segments: &mut [Segment],
+    rows: &[[u8; WIDTH]],
+    [first, last, turn, next_turn]: Rows,
+    out: &mut [[u8; SEGMENT]],
+) -> usize {
+    for (nth, (segment, out)) in segments.iter_mut().zip(&mut *out).enumerate() {
+        let [across, down] = curves(segment);
+        let [least, most] = [10, 11].map(|i: usize| segment[i].0.wrapping_add(down[0]));
+        if least < first << 16 || most >= last << 16 {
+            return nth;
+        }
+        let turn = if least >= next_turn << 16 { next_turn } else { turn };
+        for ((run, x), y) in out.as_chunks_mut::<RUN>().0.iter_mut().zip(places(across)).zip(places(down)) {
+            let place = usize::try_from((y >> 16) - turn).unwrap_or(0);
+            let [above, below] = [place, place + 1].map(|place| &rows[place % rows.len()]);
+            *run = mix_run(above, below, x, y.cast_unsigned() >> 12 & 15).unwrap_or_default();
+        }
+        skip(segment);
     }
-    for (nth, run) in (0..).zip(out.as_chunks_mut::<RUN>().0) {
-        let rows = if switch > 0 && nth >= switch { then } else { first };
-        *run = mix_run(rows[0], rows[1], at, weights >> (4 * nth) & 15).unwrap_or_default();
-        at += step;
-        step += if nth % 2 == 1 { bend } else { 0 };
-    }
-    true
+    segments.len().min(out.len())
 }
 
 /// A run at a place, with the weight of the lower row; `None` where it lies beyond the rows.
@@ -207,64 +218,85 @@ pub(crate) const fn mix(above: [u32; 2], below: [u32; 2], [across, down]: [u32; 
     (even >> 8 & LANES | odd & !LANES).to_le_bytes()
 }
 
-/// A run's instructions: 30.
+/// A run between the rows whose first pixels, at the run's place, r7 and r8 point to, in 29 instructions. `$above`, `$below`: where
+/// the pixels of these rows and those one further right are.
 #[cfg(haarline_dsp)]
 macro_rules! run {
-    () => {
-        "add r11, r3, r1, asr #16
-         ldr r12, [r11]
-         ldr lr, [r11, #1]
-         add r11, r4, r1, asr #16
-         ldr r6, [r11]
-         ldr r11, [r11, #1]
-         uxtb16 r0, r12
-         uxtb16 r12, r12, ror #8
-         uxtb16 lr, lr, ror #8
-         mul r0, r0, r10
-         mul r12, r12, r10
-         mul lr, lr, r10
-         uxtb16 r7, r6
-         mla r0, r7, r9, r0
-         uxtb16 r6, r6, ror #8
-         mla r12, r6, r9, r12
-         uxtb16 r11, r11, ror #8
-         mla lr, r11, r9, lr
-         ubfx r11, r1, #12, #4
-         rsb r6, r11, #16
-         mov r7, #0x00800080
-         mla r0, r0, r6, r7
-         mla r0, r12, r11, r0
-         mla r12, r12, r6, r7
-         mla r12, lr, r11, r12
-         rev16 r0, r0
-         sel r0, r12, r0
-         str r0, [r5], #4
-         add r1, r1, r2
-        "
+    ($below:literal, $below_right:literal) => {
+        concat!(
+            "ubfx r9, r2, #12, #4
+             rsb r10, r9, #16
+             ldr r11, [r7, #1]
+             ldr r12, ",
+            $below_right,
+            "
+             uxtb16 r11, r11, ror #8
+             uxtb16 r12, r12, ror #8
+             mul r11, r11, r10
+             mla r11, r12, r9, r11
+             ldr r8, ",
+            $below,
+            "
+             ldr r7, [r7]
+             uxtb16 r12, r7
+             uxtb16 r7, r7, ror #8
+             mul r12, r12, r10
+             mul r7, r7, r10
+             uxtb16 r10, r8
+             uxtb16 r8, r8, ror #8
+             mla r12, r10, r9, r12
+             mla r7, r8, r9, r7
+             ubfx r9, r0, #12, #4
+             rsb r10, r9, #16
+             mla r12, r12, r10, r6
+             mla r12, r7, r9, r12
+             mla r7, r7, r10, r6
+             mla r7, r11, r9, r7
+             rev16 r12, r12
+             sel r12, r7, r12
+             str r12, [r5], #4
+             add r0, r0, r1
+             add r2, r2, r3
+            "
+        )
     };
 }
 
-/// A run with its weight from bit `$bit` on.
+/// A run between two rows that follow each other in memory: 32.
 #[cfg(haarline_dsp)]
-macro_rules! weighted {
-    ($bit:literal) => {
-        concat!("ubfx r9, r8, #", $bit, ", #4\n rsb r10, r9, #16\n", run!())
+macro_rules! adjoining {
+    () => {
+        concat!(
+            "asr r7, r2, #16
+             ldr r7, [r4, r7, lsl #2]
+             add r7, r7, r0, asr #16
+            ",
+            run!("[r7, #{width}]", "[r7, #{width} + 1]")
+        )
     };
 }
 
-/// The step to what follows a pair of runs.
+/// A run between any two rows: 34.
+#[cfg(haarline_dsp)]
+macro_rules! apart {
+    () => {
+        concat!(
+            "asr r7, r2, #16
+             add r7, r4, r7, lsl #2
+             ldrd r7, r8, [r7]
+             add r7, r7, r0, asr #16
+             add r8, r8, r0, asr #16
+            ",
+            run!("[r8]", "[r8, #1]")
+        )
+    };
+}
+
+/// The steps to what follows a pair of runs.
 #[cfg(haarline_dsp)]
 macro_rules! bend {
     () => {
-        "ldr r0, [sp]\n add r2, r2, r0\n"
-    };
-}
-
-/// The other rows, from the second run of a pair on, and from the next pair on, if it is their turn.
-#[cfg(haarline_dsp)]
-macro_rules! switch {
-    () => {
-        "ldr r0, [sp, #12]\n subs r0, r0, #1\n str r0, [sp, #12]\n it eq\n ldrdeq r3, r4, [sp, #4]\n"
+        "ldrd r7, r8, [lr, #32]\n add r1, r1, r7\n add r3, r3, r8\n"
     };
 }
 
@@ -272,75 +304,117 @@ macro_rules! switch {
 #[expect(unsafe_code, reason = "instructions that the language has no other name for")]
 #[inline(always)]
 fn dsp<const WIDTH: usize>(
-    first: [&[u8; WIDTH]; 2],
-    (switch, then): (u32, [&[u8; WIDTH]; 2]),
-    across: &mut Across,
-    last: u16,
-    weights: Weights,
-    out: &mut [u8; SEGMENT],
-) -> bool {
-    let is_made: u32;
-    // SAFETY: the first part is `is_within`, without which nothing is read of the rows, of which `last` is a column; so all
-    // runs lie within them, five bytes from a run's place on. Eight runs are written. r6 and r7, which no operand may be, are
-    // put back, and so is the stack.
+    segments: &mut [Segment],
+    rows: &[[u8; WIDTH]],
+    numbers: Rows,
+    out: &mut [[u8; SEGMENT]],
+) -> usize {
+    const { assert!(WIDTH < 4095, "it is an instruction's offset") }
+    let count = segments.len().min(out.len());
+    let Some(segments) = segments.get_mut(..count) else { return 0 };
+    if segments.is_empty() || rows.is_empty() {
+        return 0;
+    }
+    let places = numbers.map(|row| row << 16);
+    // Of the rows once more, as many as segments that begin before the turn reach behind it.
+    let again = rows.len().min(MOST_APART as usize + 2);
+    let (from, reached) = (out.as_ptr().addr(), out.as_mut_ptr());
+    let reached_at: usize;
+    // SAFETY: segments from the first one to the last are read and written, as many of `out` are written. A segment that lies
+    // within the columns, which `aim` has found, reads five bytes from each run's place on; the others are not made. Its runs lie
+    // between rows from the first to the last, `MOST_APART` at most, and the one below these. The stack has a table of the rows, and
+    // of so many more of them that it holds all of these, from the first place on or, if it is behind the turn, from there on. Rows
+    // that follow each other there do so in memory unless the table turns between them. r6 and r7, which no operand may be, are
+    // put back, and so is the stack: at most 134 words beside those.
     unsafe {
         core::arch::asm!(
             "push {{r6, r7}}",
-            "ldm r0, {{r1, r2, r6, r7, r12}}",
-            "add r7, r7, r1",
-            "add r12, r12, r2",
-            "strd r7, r12, [r0]",
-            "mov r0, #0",
-            "add r7, r2, r6, lsl #2",
-            "orr r7, r7, r1",
-            "orr r7, r7, r2",
-            "add r12, r6, #0x100000",
-            "lsr r12, r12, #21",
-            "orrs r7, r12, r7, lsr #27",
-            "bne.w 9f",
-            "rsb r7, r2, r2, lsl #3",
-            "add r7, r7, r1",
-            "add r12, r6, r6, lsl #3",
-            "add r7, r7, r12",
-            "cmp r11, r7, asr #16",
-            "blt.w 9f",
-            "push {{r6, r9, r10, lr}}",
+            "mov r6, sp",
+            // The table from its end on: the rows once more, then the rows.
+            "add r7, r4, r12",
+            "3:",
+            "str r7, [sp, #-4]!",
+            "sub r7, r7, #{width}",
+            "cmp r7, r4",
+            "bhs 3b",
+            "add r7, r4, r8",
+            "3:",
+            "str r7, [sp, #-4]!",
+            "sub r7, r7, #{width}",
+            "cmp r7, r4",
+            "bhs 3b",
+            "mov r4, sp",
+            "push {{r1, r6}}",
+            "ldm r3, {{r9, r10, r11, r12}}",
+            "push {{r9, r10, r11, r12}}",
             // Bytes 1 and 3 of what is selected are those of the first operand.
             "mov r6, #0xff00ff00",
             "mov r7, #0x00ff00ff",
             "usub8 r6, r6, r7",
-            "cmp lr, #0",
-            "bne.w 2f",
-            concat!(weighted!("0"), weighted!("4"), bend!(), weighted!("8"), weighted!("12"), bend!()),
-            concat!(weighted!("16"), weighted!("20"), bend!(), weighted!("24"), weighted!("28")),
-            "b.w 5f",
-            // Where other rows follow.
+            "mov r6, #0x00800080",
             "2:",
-            concat!(weighted!("0"), switch!(), weighted!("4"), switch!(), bend!()),
-            concat!(weighted!("8"), switch!(), weighted!("12"), switch!(), bend!()),
-            concat!(weighted!("16"), switch!(), weighted!("20"), switch!(), bend!()),
-            concat!(weighted!("24"), switch!(), weighted!("28")),
+            "ldm lr, {{r0, r1, r2, r3}}",
+            "ldrd r7, r8, [lr, #40]",
+            "ldm sp, {{r9, r10, r11, r12}}",
+            "add r7, r7, r2",
+            "add r8, r8, r2",
+            "cmp r7, r9",
+            "blt.w 9f",
+            "cmp r8, r10",
+            "bge.w 9f",
+            // All behind the turn, or all before it, the row below included.
+            "add r8, r8, #0x10001",
+            "cmp r7, r12",
+            "ite ge",
+            "movge r11, r12",
+            "cmplt r12, r8",
+            "ldrd r7, r8, [lr, #16]",
+            "add r7, r7, r0",
+            "add r8, r8, r1",
+            "strd r7, r8, [lr]",
+            "ldrd r7, r8, [lr, #24]",
+            "add r7, r7, r2",
+            "add r8, r8, r3",
+            "strd r7, r8, [lr, #8]",
+            "sub r2, r2, r11",
+            "blt.w 4f",
+            concat!(adjoining!(), adjoining!(), bend!(), adjoining!(), adjoining!(), bend!()),
+            concat!(adjoining!(), adjoining!(), bend!(), adjoining!(), adjoining!()),
             "5:",
-            "add sp, sp, #16",
-            "mov r0, #1",
+            "ldr r7, [lr, #36]",
+            "ldr r8, [lr, #48]",
+            "add r7, r7, r8",
+            "str r7, [lr, #36]",
+            "ldr r7, [sp, #16]",
+            "add lr, lr, #52",
+            "cmp lr, r7",
+            "bne.w 2b",
+            "b.w 9f",
+            "4:",
+            concat!(apart!(), apart!(), bend!(), apart!(), apart!(), bend!()),
+            concat!(apart!(), apart!(), bend!(), apart!(), apart!()),
+            "b.w 5b",
             "9:",
+            "ldr r6, [sp, #20]",
+            "mov sp, r6",
             "pop {{r6, r7}}",
-            inout("r0") across.as_mut_ptr() => is_made,
-            out("r1") _,
+            width = const WIDTH,
+            out("r0") _,
+            inout("r1") segments.as_ptr_range().end => _,
             out("r2") _,
-            inout("r3") first[0].as_ptr() => _,
-            inout("r4") first[1].as_ptr() => _,
-            inout("r5") out.as_mut_ptr() => _,
-            inout("r8") weights => _,
-            inout("r9") then[0].as_ptr() => _,
-            inout("r10") then[1].as_ptr() => _,
-            // Greatest column of the last run.
-            inout("r11") i32::from(last) - RUN as i32 => _,
-            out("r12") _,
-            inout("lr") switch => _,
+            inout("r3") places.as_ptr() => _,
+            inout("r4") rows.as_ptr() => _,
+            inout("r5") reached => reached_at,
+            // Where the last row of the table's parts begins.
+            inout("r8") (rows.len() - 1) * WIDTH => _,
+            out("r9") _,
+            out("r10") _,
+            out("r11") _,
+            inout("r12") (again - 1) * WIDTH => _,
+            inout("lr") segments.as_mut_ptr() => _,
         );
     }
-    is_made != 0
+    (reached_at - from) / SEGMENT
 }
 
 /// Copies a row; as many columns as both have.
@@ -351,15 +425,41 @@ pub(crate) fn copy(row: &[u8], to: &mut [u8]) {
     to.iter_mut().zip(row).for_each(|(to, &pixel)| *to = pixel);
 }
 
-/// Copies 16 columns at a time, from and to whatever places; what is left of both. `memcpy` goes byte by byte where one of both
-/// lies on no word's border.
+/// Copies 32 columns at a time where both lie on a word's border, else 16, in words all the same; what is left of both. `memcpy` goes
+/// byte by byte there.
 #[cfg(haarline_dsp)]
 #[expect(unsafe_code, reason = "instructions that the language has no other name for")]
 #[inline(always)]
 fn copy_words<'a, 'b>(row: &'a [u8], to: &'b mut [u8]) -> (&'a [u8], &'b mut [u8]) {
-    let whole = row.len().min(to.len()) / 16 * 16;
+    let are_aligned = (row.as_ptr().addr() | to.as_ptr().addr()).is_multiple_of(4);
+    let step = if are_aligned { 32 } else { 16 };
+    let whole = row.len().min(to.len()) / step * step;
     let ((words, row), (room, to)) = (row.split_at(whole), to.split_at_mut(whole));
-    if whole > 0 {
+    let (from, end) = (words.as_ptr(), words.as_ptr_range().end);
+    if whole > 0 && are_aligned {
+        // SAFETY: as many bytes, a multiple of 32 and not none, are read and written as both slices have, whose addresses four divides.
+        unsafe {
+            core::arch::asm!(
+                "2:",
+                "ldm r0!, {{r2, r3, r4, r5, r8, r9, r10, r11}}",
+                "cmp r0, r12",
+                "stm r1!, {{r2, r3, r4, r5, r8, r9, r10, r11}}",
+                "bne 2b",
+                inout("r0") from => _,
+                inout("r1") room.as_mut_ptr() => _,
+                in("r12") end,
+                out("r2") _,
+                out("r3") _,
+                out("r4") _,
+                out("r5") _,
+                out("r8") _,
+                out("r9") _,
+                out("r10") _,
+                out("r11") _,
+                options(nostack),
+            );
+        }
+    } else if whole > 0 {
         // SAFETY: as many bytes, a multiple of 16 and not none, are read and written as both slices have.
         unsafe {
             core::arch::asm!(
@@ -374,9 +474,9 @@ fn copy_words<'a, 'b>(row: &'a [u8], to: &'b mut [u8]) -> (&'a [u8], &'b mut [u8
                 "str {d}, [{to}], #4",
                 "cmp {from}, {end}",
                 "bne 2b",
-                from = inout(reg) words.as_ptr() => _,
+                from = inout(reg) from => _,
                 to = inout(reg) room.as_mut_ptr() => _,
-                end = in(reg) words.as_ptr_range().end,
+                end = in(reg) end,
                 a = out(reg) _,
                 b = out(reg) _,
                 c = out(reg) _,
@@ -390,54 +490,118 @@ fn copy_words<'a, 'b>(row: &'a [u8], to: &'b mut [u8]) -> (&'a [u8], &'b mut [u8
 
 #[cfg(test)]
 mod tests {
+    extern crate std;
+
     use super::*;
+    use proptest::prelude::*;
+    use std::vec::Vec;
+
+    fn rows<const ROWS: usize, const WIDTH: usize>() -> [[u8; WIDTH]; ROWS] {
+        core::array::from_fn(|y| core::array::from_fn(|x| (x * x * 37 + y * x * 91).to_le_bytes()[0]))
+    }
+
+    /// A segment whose curves do not change.
+    fn still(curves: [Curve; 2], last: u16) -> Segment {
+        let mut segment = start(curves);
+        aim::<80>(&mut segment, curves, last);
+        segment
+    }
 
     #[test]
     fn pixels_are_mixed_bilinearly() {
-        let rows: [[u8; 40]; 3] =
-            core::array::from_fn(|y| core::array::from_fn(|x| (x * x * 37 + y * x * 91).to_le_bytes()[0]));
-        let start = [2 << 16 | 5 << 12, 4 << 16 | 3 << 11, -900, 70, -5];
-        let mut across = start;
-        let mut down = [10 << 12, 1 << 12, 0, 9, 0, 0];
-        let places = places(down);
-        let (first, weights, differ) = advance(&mut down);
-        assert!(first == 10 << 12 && differ != 0 && down[0] == (10 << 12) + 9);
-        let mut out = [0; SEGMENT];
-        assert!(mix_segment([&rows[0], &rows[1]], (6, [&rows[1], &rows[2]]), &mut across, 39, weights, &mut out));
-        assert_eq!(across, [start[0] + 70, start[1] - 5, -900, 70, -5]);
-        let (mut at, mut step) = (f64::from(start[0]), f64::from(start[1]));
-        for (nth, (run, place)) in out.chunks(RUN).zip(places).enumerate() {
+        let rows: [[u8; 80]; 5] = rows();
+        let [across, down] = [[2 << 16 | 5 << 12, 4 << 16 | 3 << 11, -900], [8 << 16 | 10 << 12, 1 << 12, 40]];
+        let mut segments = [still([across, down], 79)];
+        let mut out = [[0; SEGMENT]];
+        // Row 8 is at place 3: the table turns between rows 9 and 10.
+        assert_eq!(make(&mut segments, View { rows: &rows, first: 7, last: 11 }, &mut out), 1);
+        for ((run, x), y) in out[0].chunks(RUN).zip(places(across)).zip(places(down)) {
             for (i, &found) in (0..).zip(run) {
-                let across = (at / 4096.0).floor() / 16.0;
-                #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within the row")]
-                let x = across as usize + i;
-                let row = |row: &[u8]| f64::from(row[x]) + (f64::from(row[x + 1]) - f64::from(row[x])) * across.fract();
-                let [above, below] = [place >> 16, (place >> 16) + 1].map(|y| row(&rows[usize::try_from(y).unwrap()]));
-                let wanted = above + (below - above) * f64::from(place & 0xffff) / 65_536.0;
-                assert!((f64::from(found) - wanted).abs() <= 0.5 + 1e-9, "{place}, {i}: {found} {wanted}");
+                let [x, y] = [x, y].map(|place| f64::from(place >> 12) / 16.0);
+                #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within the view")]
+                let [column, line] = [x as usize + i, y as usize];
+                let row = |row: &[u8]| {
+                    f64::from(row[column]) + (f64::from(row[column + 1]) - f64::from(row[column])) * x.fract()
+                };
+                let [above, below] = [line, line + 1].map(|line| row(&rows[line % 5]));
+                let wanted = above + (below - above) * y.fract();
+                assert!((f64::from(found) - wanted).abs() <= 0.5 + 1e-9, "{x} {y}, {i}: {found} {wanted}");
             }
-            at += step;
-            step += if nth % 2 == 1 { f64::from(start[2]) } else { 0.0 };
         }
     }
 
     #[test]
-    fn what_reaches_beyond_the_rows_is_not_inside() {
-        let is_inside = |at, step, bend| {
-            let across = [at, step, bend, 0, 0];
-            let rows = [&[7; 40]; 2];
-            let made = mix_segment(rows, (0, rows), &mut across.clone(), 39, 0, &mut [0; SEGMENT]);
-            assert_eq!(made, is_within(across, 39));
+    fn what_reaches_beyond_the_columns_is_not_made() {
+        let is_made = |at, step, bend| {
+            let mut segments = [still([[at, step, bend], [1 << 16, 0, 0]], 39)];
+            let made = make(&mut segments, View { rows: &[[7; 40]; 4], first: 0, last: 3 }, &mut [[0; SEGMENT]]) == 1;
+            assert_eq!(made, are_within([[at, step]; 2], bend, 39));
             made
         };
-        assert!(is_inside(0, 4 << 16, 0) && is_inside(7 << 16, 4 << 16, 0) && is_inside(3 << 16, 4 << 16, -99));
-        assert!(!is_inside(-1, 4 << 16, 0) && !is_inside(8 << 16, 4 << 16, 0) && !is_inside(0, 4 << 16, 1 << 16));
-        assert!(
-            !is_inside(0, i32::MAX, 0) && !is_inside(i32::MAX, 4 << 16, 0) && !is_inside(0, 4 << 16, -(1 << 16) - 1)
+        assert!(is_made(0, 4 << 16, 0) && is_made(7 << 16, 4 << 16, 0) && is_made(3 << 16, 4 << 16, -99));
+        assert!(!is_made(-1, 4 << 16, 0) && !is_made(8 << 16, 4 << 16, 0) && !is_made(0, 4 << 16, 1 << 16));
+        assert!(!is_made(0, 1 << 28, 0) && !is_made(1 << 28, 4 << 16, 0) && !is_made(0, 4 << 16, -(1 << 16) - 1));
+        // A row narrower than it was said to be.
+        let curves = [[0, 4 << 16, 0], [1 << 16, 0, 0]];
+        let mut segment = start(curves);
+        aim::<40>(&mut segment, curves, 40);
+        assert_eq!(make(&mut [segment], View { rows: &[[7; 40]; 4], first: 0, last: 3 }, &mut [[0; SEGMENT]]), 0);
+    }
+
+    #[test]
+    fn what_reaches_beyond_the_rows_is_not_made() {
+        let made = |at: i32, step: i32, first: i32, last: i32| {
+            let mut segments = [still([[0, 4 << 16, 0], [at, step, 0]], 79)];
+            make(&mut segments, View { rows: &rows::<6, 80>(), first, last }, &mut [[0; SEGMENT]])
+        };
+        assert_eq!([made(3 << 16, 0, 3, 4), made(4 << 16, 0, 3, 4), made((3 << 16) - 1, 0, 3, 4)], [1, 0, 0]);
+        assert_eq!([made(3 << 16, 9000, 3, 4), made(3 << 16, 9400, 3, 4), made(3 << 16, -1, 3, 4)], [1, 0, 0]);
+        assert_eq!([made(3 << 16, 0, -1, 4), made(3 << 16, 0, 0, 6), made(3 << 16, 50_000, 1, 6)], [0, 0, 0]);
+        assert_eq!(
+            make(&mut [start([[0; 3]; 2])], View { rows: &[[7; 80]; 4], first: 0, last: 3 }, &mut [[0; SEGMENT]]),
+            0
         );
-        assert!(!is_inside(0, 4 << 16, 1 << 30) && !is_inside(0, 4 << 16, i32::MIN));
-        let (mut across, rows) = ([0, 4 << 16, 0, 0, 0], [&[0; 40]; 2]);
-        assert!(!mix_segment(rows, (0, rows), &mut across, 40, 0, &mut [0; SEGMENT]));
+    }
+
+    proptest! {
+        #[test]
+        fn the_bounds_hold_all_runs(
+            from in prop::array::uniform3(-60_000..60_000_i32), to in prop::array::uniform3(-60_000..60_000_i32),
+        ) {
+            let mut segment = start([[0, 4 << 16, 0], from]);
+            aim::<80>(&mut segment, [[0, 4 << 16, 0], to], 79);
+            let [least, most] = [10, 11].map(|i: usize| segment[i].0);
+            for _ in 0..KNOT_ROWS {
+                let down = curves(&segment)[1];
+                for place in places(down) {
+                    prop_assert!(least == FAR || (least..=most).contains(&(place - down[0])), "{place} {least} {most}");
+                }
+                skip(&mut segment);
+            }
+        }
+
+        #[test]
+        fn this_target_equals_portable_code(
+            curves in prop::collection::vec(
+                (0..3_i32 << 16, 200_000..300_000_i32, -300..300_i32, 5 << 16..12_i32 << 16, -20_000..20_000_i32, -2000..2000_i32), 3),
+            first in 0..7_i32, extreme in any::<bool>(),
+        ) {
+            let mut rows: [[u8; 80]; 9] = rows();
+            if extreme {
+                rows.as_flattened_mut().iter_mut().for_each(|pixel| *pixel = if *pixel < 128 { 0 } else { 255 });
+            }
+            let mut segments: Vec<Segment> =
+                curves.iter().map(|&(a, b, c, d, e, f)| still([[a, b, c], [d, e, f]], 79)).collect();
+            let mut same = segments.clone();
+            let view = View { rows: &rows, first, last: first + 8 };
+            let (mut a, mut b) = ([[0; SEGMENT]; 3], [[0; SEGMENT]; 3]);
+            for _ in 0..4 {
+                let turn = first - first % 9;
+                let made = portable(&mut same, &rows, [first, first + 8, turn, turn + 9], &mut b);
+                prop_assert_eq!(make(&mut segments, view, &mut a), made);
+                prop_assert!(a == b && segments == same);
+            }
+        }
     }
 
     #[test]
@@ -449,31 +613,6 @@ mod tests {
             let end = 1 + len.min(65);
             assert_eq!(to[1..end], row[first..][..len.min(65)]);
             assert!(to[0] == 0xff && to[end..].iter().all(|&byte| byte == 0xff));
-        }
-    }
-
-    #[test]
-    #[cfg(haarline_dsp)]
-    fn instructions_equal_portable_code() {
-        let rows: [[u8; 80]; 3] =
-            core::array::from_fn(|y| core::array::from_fn(|x| (x * x * 37 + y * x * 91).to_le_bytes()[0]));
-        let (first, then) = ([&rows[0], &rows[1]], [&rows[1], &rows[2]]);
-        for seed in 0..200i32 {
-            let across = [300_000 + seed * 7919, 262_144 + seed * 13, (seed % 7 - 3) * 300, seed * 3, -seed];
-            let number = |by: i32| seed.wrapping_mul(by * 7919);
-            let down = [number(1), number(3) >> 8, number(5) >> 9, number(7), seed, -seed];
-            let (mut to, mut too) = (down, down);
-            assert_eq!((advance_dsp(&mut to), to), (advance_portable(&mut too), too));
-            let weights = seed.cast_unsigned().wrapping_mul(0x9e37_79b1);
-            for switch in 0..8 {
-                let (mut a, mut b) = ([0; SEGMENT], [0; SEGMENT]);
-                let (mut to, mut too) = (across, across);
-                assert_eq!(
-                    dsp(first, then, &mut to, 79, downs, &mut a),
-                    portable(first, then, &mut too, 79, downs, &mut b)
-                );
-                assert_eq!((a, to), (b, too));
-            }
         }
     }
 }

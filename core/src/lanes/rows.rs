@@ -180,9 +180,19 @@ pub(crate) fn second_difference<const WORDS: usize>(rows: [&[u32; WORDS]; 3], by
     second_difference_of(rows.map(|row| unsafe { word(row, byte) } ^ FLIP))
 }
 
+/// The same of rows of pixels, columns `first` to `first + 2` of the four that there must be.
+#[inline(always)]
+pub(crate) fn second_difference_in(rows: [&[u8]; 3], first: usize) -> u32 {
+    assert!(rows.iter().all(|row| first + 4 <= row.len()));
+    // SAFETY: checked above.
+    second_difference_of(
+        rows.map(|row| u32::from_le_bytes(unsafe { row.as_ptr().add(first).cast::<[u8; 4]>().read() })),
+    )
+}
+
 /// The same of the first three columns of four in a word of each row.
 #[inline(always)]
-pub(crate) fn second_difference_of([a, b, c]: [u32; 3]) -> u32 {
+fn second_difference_of([a, b, c]: [u32; 3]) -> u32 {
     let even = |word, sum| sad_add(word & 0x00ff_00ff, 0, sum);
     let odd = |word: u32| word >> 8 & 0xff;
     let corners = even(a, even(c, 4 * odd(b)));

@@ -12,6 +12,7 @@
 //! ([`Input::Mismatch`](super::frame_figures::Input)). One block is compared with each row that comes.
 #![allow(clippy::cast_possible_truncation, clippy::cast_possible_wrap, reason = "a few rows and pixels")]
 
+use crate::lanes::lens_runs::copy;
 use crate::{DisparityRow, ScanlinePair};
 
 /// Columns and rows of a block.
@@ -141,8 +142,8 @@ impl<const WIDTH: usize> RowWatch<WIDTH> {
             self.state = State::Done;
             return;
         };
-        left.iter_mut().zip(pair.left).for_each(|(to, &from)| *to = from);
-        right.iter_mut().zip(pair.right).for_each(|(to, &from)| *to = from);
+        copy(pair.left, left);
+        copy(pair.right, right);
     }
 
     /// Takes a row that the method answers, before it is corrected.
@@ -193,8 +194,9 @@ impl<const WIDTH: usize> RowWatch<WIDTH> {
     /// The row offset of a block of either view, from these columns on, 1/256 px, and what it weighs; `None` where the view
     /// ends, or texture does not tell.
     fn offset(&self, columns: [usize; 2]) -> Option<(i64, i64)> {
-        let [left, right] = [0, 1].map(|view| self.smoothed(view, columns[view]));
-        let (left, right) = (left?, right?);
+        let (mut left, mut right) = (Smooth::default(), Smooth::default());
+        self.smooth(0, columns[0], &mut left)?;
+        self.smooth(1, columns[1], &mut right)?;
         let (mut sums, mut products) = ([0_i32; 3], [0_i32; 6]);
         for y in 1..=SIDES[1] {
             for x in 1..=SIDES[0] {
@@ -231,8 +233,8 @@ impl<const WIDTH: usize> RowWatch<WIDTH> {
         Some((offset_q8.clamp(-MOST_Q8, MOST_Q8), WHOLE * VARIANCE / (variance_q8 + VARIANCE)))
     }
 
-    /// A block of a view and a pixel on each side, smoothed, 1/4 grey level.
-    fn smoothed(&self, view: usize, column: usize) -> Option<Smooth> {
+    /// Smooths a block of a view and a pixel on each side, 1/4 grey level; `None` where the view ends.
+    fn smooth(&self, view: usize, column: usize, smooth: &mut Smooth) -> Option<()> {
         let rows = self.rows.get(view)?;
         let columns = column.checked_sub(BESIDE)?..column + SIDES[0] + BESIDE;
         if columns.end > self.width {
@@ -245,13 +247,12 @@ impl<const WIDTH: usize> RowWatch<WIDTH> {
                 *sum = i16::from(pixels[x]) + 2 * i16::from(pixels[x + 1]) + i16::from(pixels[x + 2]);
             }
         }
-        let mut smooth = Smooth::default();
         for (y, smooth) in smooth.iter_mut().enumerate() {
             for (x, sum) in smooth.iter_mut().enumerate() {
                 *sum = (along[y][x] + 2 * along[y + 1][x] + along[y + 2][x]) >> 2;
             }
         }
-        Some(smooth)
+        Some(())
     }
 
     /// How far the right view lies lower, 1/256 px; `None` where too little was sure of late.

@@ -2,8 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 use haarline::align::{Estimate, Order, Verdict};
+use haarline_rig::Description;
 use serde::Serialize;
 
 use super::shared::{FrameArgs, progress, readable};
@@ -74,6 +75,9 @@ impl Args {
         self.claim(&frames, file.as_ref())?;
         let frames = self.frames.choose_from(frames, USUAL_FRAMES)?;
         let (frames, damaged, middle) = readable(frames)?;
+        if let Some(description) = file.as_ref().and_then(DescriptionFile::description) {
+            check_update(&description, &middle)?;
+        }
         let bar = progress(align::steps(frames.len()), "frames")?;
         let estimate = align::align_all([middle.width(), middle.height()], |see| {
             for frame in &frames {
@@ -143,9 +147,30 @@ fn fields(found: &Displacement, estimate: &Estimate, pair: &StereoPair, is_new: 
     fields
 }
 
+/// Refuses to change the description of another rig, or one in which what is found would be without effect.
+fn check_update(description: &Description, pair: &StereoPair) -> Result<()> {
+    let (width, height) = (description.width, description.height);
+    ensure!(
+        (usize::from(width), usize::from(height)) == (pair.width(), pair.height()),
+        "--update: its width and height are {width}x{height} px, but the views are {}x{} px",
+        pair.width(),
+        pair.height()
+    );
+    ensure!(
+        description.cameras.is_none(),
+        "--update: its lens tables tell where rows lie, not offsets; haarline rig check tells whether they still do"
+    );
+    Ok(())
+}
+
 /// Why nothing is written, if so.
 fn refusal(estimate: &Estimate) -> Option<String> {
     match (estimate.verdict(), estimate.order()) {
+        (Verdict::NotObservable, _) if estimate.blocks == 0 || estimate.contrast_percent == 0 => Some(
+            "the row offset is not observable: the views have no texture in common; take frames of textured surroundings \
+             at one moment"
+                .to_owned(),
+        ),
         (Verdict::NotObservable, _) => Some(format!(
             "the row offset is not observable: contrast {} %, where {} % are needed, and blocks differ by {:.3} px, where \
              {:.3} px are allowed; take frames of textured surroundings that are not too near",

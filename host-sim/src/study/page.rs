@@ -38,6 +38,7 @@ table { border-collapse: collapse; font-size: .9rem; font-variant-numeric: tabul
 th, td { padding: .3rem .7rem; text-align: right; white-space: nowrap; border-bottom: 1px solid var(--line); }
 th { vertical-align: bottom; border-bottom-width: 2px; }
 th.words, td.words { text-align: left; }
+td.words + td.words:last-child { white-space: normal; }
 tbody tr:nth-child(even) { background: var(--stripe); }
 figure svg { display: block; background: #fff; max-width: 100%; height: auto; border-radius: 4px; }
 @media (max-width: 40rem) { figure svg { max-width: none; } }

@@ -6,12 +6,13 @@
     reason = "a handful of rows, windows of some columns"
 )]
 
-use crate::lanes::lens_runs::{Across, Down, RUN, SEGMENT, advance, copy, mix, mix_run, mix_segment, places};
+pub(super) use crate::lanes::lens_runs::KNOT_ROWS;
+use crate::lanes::lens_runs::{
+    Curve, RUN, SEGMENT, Segment, View, aim, beside, copy, curves, make, mix, mix_run, places, skip, start,
+};
 
 /// Distance of nodes, px, across and down.
 pub const NODE_PX: usize = SEGMENT;
-/// Rows between which places go straight.
-pub(super) const KNOT_ROWS: usize = 8;
 /// Node columns of the widest view.
 pub(super) const MAX_NODE_COLUMNS: usize = node_count(1280);
 
@@ -137,77 +138,24 @@ pub(super) fn segment(places: &[Place; MAX_NODE_COLUMNS], index: usize) -> [Plac
     nodes
 }
 
-/// Where the pixels of a segment lie: a parabola across and one down, and how much they move from row to row.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Segment {
-    down: Down,
-    across: Across,
+/// Where the runs of a segment lie across and down, of the four nodes around it.
+fn curves_of(nodes: [Place; 4]) -> [Curve; 2] {
+    /// To the nearest 1/16 px.
+    const HALF: i32 = 1 << 11;
+    let curve = |k: usize| {
+        let [a, b, c] = quadratic([0, 1, 2, 3].map(|i| nodes[i][k]));
+        // The middles of runs lie at t = 1.5 / 32, 5.5 / 32, ...
+        [a + ((3 * b) >> 6) + (c >> 9) + HALF, (b >> 3) + ((11 * c) >> 8), c >> 4]
+    };
+    let [x, step, bend] = curve(0);
+    // Their first columns lie 1.5 px further left.
+    [[x - (3 << 15), step, bend], curve(1)]
 }
 
-impl Segment {
-    /// Numbers of a segment.
-    pub(super) const LEN: usize = 11;
-
-    /// Of the four nodes around it.
-    fn new(nodes: [Place; 4]) -> Self {
-        /// To the nearest 1/16 px.
-        const HALF: i32 = 1 << 11;
-        let [a, b, c] = quadratic([0, 1, 2, 3].map(|i| nodes[i][0]));
-        // The middles of runs lie at t = 1.5 / 32, 5.5 / 32, ..., their first columns 1.5 px further left.
-        let across = [a + ((48 * b + 2 * c) >> 10) - (3 << 15) + HALF, (32 * b + 11 * c) >> 8, c >> 4, 0, 0];
-        let [a, b, c] = quadratic([0, 1, 2, 3].map(|i| nodes[i][1]));
-        let down = [a + ((48 * b + 2 * c) >> 10) + HALF, (32 * b + 7 * c) >> 8, c >> 5, 0, 0, 0];
-        Self { down, across }
-    }
-
-    const fn unpack(numbers: &[i32; Self::LEN]) -> Self {
-        let [a, b, c, d, e, f, g, h, i, j, k] = *numbers;
-        Self { down: [a, b, c, d, e, f], across: [g, h, i, j, k] }
-    }
-
-    pub(super) const fn pack(&self, numbers: &mut [i32; Self::LEN]) {
-        let Self { down: [a, b, c, d, e, f], across: [g, h, i, j, k] } = *self;
-        *numbers = [a, b, c, d, e, f, g, h, i, j, k];
-    }
-
-    /// Goes on from this row so that after [`KNOT_ROWS`] rows it is `knot`.
-    fn towards(&self, knot: &Self) -> Self {
-        let growth = |from: i32, to: i32| (to - from) >> 3;
-        let ([a, b, c, ..], [d, e, f, ..]) = (self.down, knot.down);
-        let down = [a, b, c, growth(a, d), growth(b, e), growth(c, f)];
-        let ([a, b, ..], [d, e, f, ..]) = (self.across, knot.across);
-        Self { down, across: [a, b, f, growth(a, d), growth(b, e)] }
-    }
-
-    /// Least and greatest place down, 1/65536 px.
-    fn reach(&self) -> [i32; 2] {
-        let [at, step, bend, ..] = self.down;
-        let end = at + 7 * step + 21 * bend;
-        // Between both ends a parabola of seven steps bends away by six of its bends, and the rest is for rounding.
-        let beyond = 7 * bend.abs();
-        [at.min(end) - beyond, at.max(end) + beyond]
-    }
-}
-
-/// Place of the middle of a segment's first run down, 1/65536 px.
-pub(super) const fn first_down(numbers: &[i32; Segment::LEN]) -> i32 {
-    numbers[0]
-}
-
-/// Both parts of a segment's numbers.
+/// Least and greatest place of runs, 1/65536 px.
 #[inline(always)]
-fn parts(numbers: &mut [i32; Segment::LEN]) -> (&mut Down, &mut Across) {
-    const NONE: &str = "a segment has six numbers down and five across";
-    let (down, across) = numbers.split_at_mut(6);
-    (down.try_into().expect(NONE), across.try_into().expect(NONE))
-}
-
-/// Goes on to the row below where that one was not made.
-pub(super) fn skip(numbers: &mut [i32; Segment::LEN]) {
-    let [a, b, c, d, e, f, g, h, _, j, k] = numbers;
-    for (number, growth) in [(a, d), (b, e), (c, f), (g, j), (h, k)] {
-        *number += *growth;
-    }
+fn reach(down: Curve) -> [i32; 2] {
+    beside(down).map(|beside| down[0] + beside)
 }
 
 /// The segments of a row of one view, and how far down they reach.
@@ -222,14 +170,15 @@ impl Reach {
     /// Of nothing.
     pub(super) const NONE: Self = Self { at: [0; 2], growth: [0; 2] };
 
-    /// Of row 0; `packed` takes its segments.
-    pub(super) fn start(table: &LensTable, mut take: impl FnMut(usize, Segment)) -> Self {
+    /// Of row 0; `take` takes its segments' curves.
+    pub(super) fn start(table: &LensTable, mut take: impl FnMut(usize, [Curve; 2])) -> Self {
         let at = knot(table, 0, &mut take);
         Self { at, growth: [0; 2] }
     }
 
-    /// At a row that [`KNOT_ROWS`] divides: goes on towards the next such row; `take` takes that one's segments.
-    pub(super) fn aim(&mut self, table: &LensTable, y: u32, mut take: impl FnMut(usize, Segment)) {
+    /// At a row that [`KNOT_ROWS`] divides: goes on towards the next such row; `take` takes the curves of that
+    /// one's segments.
+    pub(super) fn aim(&mut self, table: &LensTable, y: u32, mut take: impl FnMut(usize, [Curve; 2])) {
         let next = knot(table, y + KNOT_ROWS as u32, &mut take);
         // The greatest of what goes straight is at most what lies straight between the greatest at both ends.
         self.growth = [(next[0] - self.at[0]) >> 3, (next[1] - self.at[1] + 7) >> 3];
@@ -247,132 +196,101 @@ impl Reach {
     }
 }
 
-/// Hands out the segments of a row by their number; how far down they reach, with some room for rounding.
-fn knot(table: &LensTable, y: u32, take: &mut impl FnMut(usize, Segment)) -> [i32; 2] {
+/// Hands out the curves of a row's segments by their number; how far down they reach, with some room for rounding.
+fn knot(table: &LensTable, y: u32, take: &mut impl FnMut(usize, [Curve; 2])) -> [i32; 2] {
     // Eight rows of growth rounded down, in a step's and a bend's share of the last run.
     const ROOM: i32 = 512;
     let mut places = [[0; 2]; MAX_NODE_COLUMNS];
     table.row(y, &mut places);
-    let mut reach = [i32::MAX, i32::MIN];
+    let mut bounds = [i32::MAX, i32::MIN];
     for index in 0..usize::from(table.size[0]).div_ceil(NODE_PX) {
-        let found = Segment::new(segment(&places, index));
-        let [least, most] = found.reach();
-        reach = [reach[0].min(least - ROOM), reach[1].max(most + ROOM)];
+        let found = curves_of(segment(&places, index));
+        let [least, most] = reach(found[1]);
+        bounds = [bounds[0].min(least - ROOM), bounds[1].max(most + ROOM)];
         take(index, found);
     }
-    reach
+    bounds
 }
 
-/// Goes on towards the segment of the next knot.
-pub(super) fn aim(numbers: &mut [i32; Segment::LEN], knot: &Segment) {
-    Segment::unpack(numbers).towards(knot).pack(numbers);
-}
-
-/// Makes a row of the segments in `numbers`, which become those of the row below.
-///
-/// `row` finds a row of the camera by its number, clamped to those that there are.
+/// Makes a row of `segments`, which become those of the row below, of a camera's rows as far as they came.
 #[inline(always)]
-pub(super) fn render<'a, const WIDTH: usize>(
-    numbers: &mut [[i32; Segment::LEN]],
-    row: impl Fn(i32) -> &'a [u8; WIDTH],
+pub(super) fn render<const WIDTH: usize>(
+    segments: &mut [Segment],
+    view: View<'_, WIDTH>,
     width: u16,
     out: &mut [u8; WIDTH],
 ) {
     let Some(out) = out.get_mut(..usize::from(width)) else { return };
-    let last = width.saturating_sub(1);
-    // The two rows that the pixels lie between, and the number of the upper one.
-    let (mut rows, mut at) = ([row(0), row(1)], 0);
-    let (whole, part) = out.as_chunks_mut::<SEGMENT>();
-    let mut whole = whole.iter_mut();
-    for numbers in numbers {
-        let (down, across) = parts(numbers);
-        let before = *down;
-        let Some(pixels) = whole.next() else {
-            by_runs(before, *across, &row, width, part);
-            skip(numbers);
-            return;
+    let (mut out, part) = out.as_chunks_mut::<SEGMENT>();
+    let mut segments = segments;
+    loop {
+        let made = make(segments, view, out);
+        let Some((segment, left)) = segments.get_mut(made..).and_then(<[_]>::split_first_mut) else { return };
+        let Some((pixels, room)) = out.get_mut(made..).and_then(<[_]>::split_first_mut) else {
+            by_runs(curves(segment), view, width, part);
+            return skip(segment);
         };
-        let (first, weights, differ) = advance(down);
-        if first >> 16 != at {
-            at = first >> 16;
-            rows = [row(at), row(at + 1)];
+        if !in_windows(curves(segment), view, width, pixels) {
+            by_runs(curves(segment), view, width, pixels);
         }
-        let (mut switch, mut then) = (0, rows);
-        let mut is_simple = true;
-        if differ != 0 {
-            let places = places(before);
-            let mut changes = 0;
-            for (nth, &place) in (0..).zip(&places) {
-                if place >> 16 != at {
-                    (at, switch) = (place >> 16, nth);
-                    changes += 1;
-                }
-            }
-            is_simple = changes == 1;
-            then = [row(at), row(at + 1)];
-        }
-        let of_row = *across;
-        let is_made = mix_segment(rows, (switch, then), across, last, weights, pixels);
-        if !is_made && is_simple && beside_border(rows, (switch, then), of_row, last, weights, pixels) {
-            rows = then;
-            continue;
-        }
-        if !is_made || !is_simple {
-            by_runs(before, of_row, &row, width, pixels);
-        }
-        rows = then;
+        skip(segment);
+        (segments, out) = (left, room);
     }
 }
 
-/// A segment that reaches beyond the view's borders, which are repeated; whether it reaches no further than it has room for.
+/// The row of that number; the view's borders are repeated.
+fn row<'a, const WIDTH: usize>(View { rows, first: _, last }: View<'a, WIDTH>, y: i32) -> &'a [u8; WIDTH] {
+    const { assert!(WIDTH > 0) }
+    let place = usize::try_from(y.min(last)).unwrap_or(0).checked_rem(rows.len());
+    place.and_then(|place| rows.get(place)).unwrap_or(&[0; WIDTH])
+}
+
+/// A segment that reaches beyond the view's borders, which are repeated; whether it reaches no further than there is room for.
 #[inline(never)]
-fn beside_border<const WIDTH: usize>(
-    first: [&[u8; WIDTH]; 2],
-    (switch, then): (u32, [&[u8; WIDTH]; 2]),
-    mut across: Across,
-    last: u16,
-    weights: u32,
+fn in_windows<const WIDTH: usize>(
+    [mut across, mut down]: [Curve; 2],
+    view: View<'_, WIDTH>,
+    width: u16,
     out: &mut [u8; SEGMENT],
 ) -> bool {
     const ROOM: usize = 48;
+    const ROWS: usize = 6;
+    let [least, most] = reach(down).map(|place| place >> 16);
+    let rows = usize::try_from(most - least + 2).unwrap_or(0);
     let from = across[0] >> 16;
-    across[0] &= 0xffff;
+    let mut windows = [[0; ROOM]; ROWS];
+    let Some(windows) = windows.get_mut(..rows) else { return false };
     // Columns of the room that lie before the view, and from which on they lie behind it.
     let room = |at: i32| usize::try_from(at).unwrap_or(0).min(ROOM);
-    let (before, behind) = (room(-from), room(i32::from(last) + 1 - from));
-    let window = |row: &[u8; WIDTH]| {
-        let row = row.get(..=usize::from(last)).unwrap_or(row);
-        let mut window = [row.first().copied().unwrap_or(0); ROOM];
-        if let Some(part) = window.get_mut(before..behind) {
-            copy(row.get(usize::try_from(from).unwrap_or(0)..).unwrap_or(&[]), part);
+    let (before, behind) = (room(-from), room(i32::from(width) - from));
+    for (y, window) in (least..).zip(&mut *windows) {
+        let row = row(view, y);
+        let row = row.get(..usize::from(width)).unwrap_or(row);
+        let (left, right) = (row.first().copied().unwrap_or(0), row.last().copied().unwrap_or(0));
+        if let Some((border, part)) = window.split_at_mut_checked(before) {
+            border.fill(left);
+            if let Some((part, border)) = part.split_at_mut_checked(behind.saturating_sub(before)) {
+                copy(row.get(usize::try_from(from).unwrap_or(0)..).unwrap_or(&[]), part);
+                border.fill(right);
+            }
         }
-        if let Some(part) = window.get_mut(behind..) {
-            part.fill(row.last().copied().unwrap_or(0));
-        }
-        window
-    };
-    let first = first.map(window);
-    let then = if switch == 0 { first } else { then.map(window) };
-    mix_segment([&first[0], &first[1]], (switch, [&then[0], &then[1]]), &mut across, ROOM as u16 - 1, weights, out)
+    }
+    across[0] -= from << 16;
+    down[0] -= least << 16;
+    let mut segment = [start([across, down])];
+    aim::<ROOM>(&mut segment[0], [across, down], ROOM as u16 - 1);
+    make(&mut segment, View { rows: windows, first: 0, last: rows as i32 - 1 }, core::slice::from_mut(out)) == 1
 }
 
-/// Pixels of a segment that reaches beyond the camera's view, of which only a part is wanted, or that lies between many rows.
+/// Pixels of a segment of which only a part is wanted, or that reaches far beyond the camera's view or lies between many rows.
 #[inline(never)]
-fn by_runs<'a, const WIDTH: usize>(
-    down: Down,
-    [mut at, mut step, bend, ..]: Across,
-    row: &impl Fn(i32) -> &'a [u8; WIDTH],
-    width: u16,
-    out: &mut [u8],
-) {
-    for (nth, (run, place)) in out.chunks_mut(RUN).zip(places(down)).enumerate() {
-        let [above, below] = [0, 1].map(|k| row((place >> 16) + k).get(..usize::from(width)).unwrap_or(&[]));
+fn by_runs<const WIDTH: usize>([across, down]: [Curve; 2], view: View<'_, WIDTH>, width: u16, out: &mut [u8]) {
+    for ((run, at), place) in out.chunks_mut(RUN).zip(places(across)).zip(places(down)) {
+        let [above, below] = [0, 1].map(|k| row(view, (place >> 16) + k).get(..usize::from(width)).unwrap_or(&[]));
         let down = place.cast_unsigned() >> 12 & 15;
         let mixed = mix_run(above, below, at, down)
             .unwrap_or_else(|| mix(at_border(above, at), at_border(below, at), [at.cast_unsigned() >> 12 & 15, down]));
         run.iter_mut().zip(mixed).for_each(|(pixel, mixed)| *pixel = mixed);
-        at += step;
-        step += if nth % 2 == 1 { bend } else { 0 };
     }
 }
 
@@ -404,15 +322,12 @@ mod tests {
     fn runs_follow_the_parabola() {
         let nodes = [0, 30 << 16, 61 << 16, 93 << 16];
         let [a, b, c] = quadratic(nodes);
-        let segment = Segment::new(nodes.map(|node| [node; 2]));
-        let ([mut x, mut step, bend, ..], downs) = (segment.across, places(segment.down));
-        for (run, y) in (0..8).zip(downs) {
+        let [across, down] = curves_of(nodes.map(|node| [node; 2])).map(places);
+        for (run, (x, y)) in (0..8).zip(across.into_iter().zip(down)) {
             let t = (4.0 * f64::from(run) + 1.5) / 32.0;
             let place = f64::from(a) + f64::from(b) * t + f64::from(c) * t * t + 2048.0;
-            assert!((f64::from(y) - place).abs() < 200.0, "{run}: {y} {place}");
+            assert!((f64::from(y) - place).abs() < 2000.0, "{run}: {y} {place}");
             assert!((f64::from(x) - place + 1.5 * 65_536.0).abs() < 2000.0, "{run}: {x} {place}");
-            x += step;
-            step += if run % 2 == 1 { bend } else { 0 };
         }
     }
 
@@ -438,24 +353,24 @@ mod tests {
             nodes
         };
         let table = LensTable::new([96, 96], &BENT).unwrap();
-        let mut numbers = [[0; Segment::LEN]; 3];
-        let mut reach = Reach::start(&table, |i, segment| segment.pack(&mut numbers[i]));
+        let mut segments = [start([[0; 3]; 2]); 3];
+        let mut bounds = Reach::start(&table, |i, curves| segments[i] = start(curves));
         for y in 0..96 {
             if y % 8 == 0 {
-                reach.aim(&table, y, |i, segment| aim(&mut numbers[i], &segment));
+                bounds.aim(&table, y, |i, curves| aim::<96>(&mut segments[i], curves, 95));
             }
-            for (i, numbers) in numbers.iter_mut().enumerate() {
-                let segment = Segment::unpack(numbers);
-                let [least, most] = segment.reach();
-                assert!(reach.at[0] <= least && reach.at[1] >= most, "{y}: {:?} {least} {most}", reach.at);
+            for (i, segment) in segments.iter_mut().enumerate() {
+                let down = curves(segment)[1];
+                let [least, most] = reach(down);
+                assert!(bounds.at[0] <= least && bounds.at[1] >= most, "{y}: {:?} {least} {most}", bounds.at);
                 let x = 32 * u16::try_from(i).unwrap() + 2;
                 let place =
                     [x - 1, x].map(|x| table.place_q16([x, u16::try_from(y).unwrap()])[1]).iter().sum::<i32>() / 2;
-                let found = segment.down[0] - 2048;
+                let found = down[0] - 2048;
                 assert!((place - found).abs() < 400, "{x}, {y}: {place} {found}");
-                skip(numbers);
+                skip(segment);
             }
-            reach.advance();
+            bounds.advance();
         }
     }
 

@@ -1,10 +1,11 @@
 //! Rows by lens tables: when each can come out, and how it is made.
 
-use super::lens::{KNOT_ROWS, LensTable, NODE_PX, Reach, Segment, aim, first_down, render, skip};
+use super::lens::{KNOT_ROWS, LensTable, NODE_PX, Reach, render};
 use super::ring::Ring;
 use super::stage::floor;
 use super::{RectifiedRow, Rectifier};
 use crate::ScanlinePair;
+use crate::lanes::lens_runs::{LEN, Number, Segment, View, aim, curves, skip, start};
 
 /// Rows that two lens tables need.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -41,16 +42,14 @@ impl Schedule {
 }
 
 impl<const ROWS: usize, const WIDTH: usize> Rectifier<ROWS, WIDTH> {
-    const BLANK: [u8; WIDTH] = [0; WIDTH];
-
     pub(super) fn start_lenses(&mut self) {
         self.next = 0;
         let Self { lenses: Some(lenses), segments, reaches, size, .. } = self else { return };
         for (view, (table, reach)) in lenses.iter().zip(reaches).enumerate() {
-            let numbers = segments_of(segments, size[0], view);
-            *reach = Reach::start(table, |index, segment| {
-                if let Some(numbers) = numbers.get_mut(index) {
-                    segment.pack(numbers);
+            let segments = segments_of(segments, size[0], view);
+            *reach = Reach::start(table, |index, curves| {
+                if let Some(segment) = segments.get_mut(index) {
+                    *segment = start(curves);
                 }
             });
         }
@@ -62,10 +61,10 @@ impl<const ROWS: usize, const WIDTH: usize> Rectifier<ROWS, WIDTH> {
         let Self { lenses: Some(lenses), segments, reaches, next, size, needed, .. } = self else { return };
         if (*next as usize).is_multiple_of(KNOT_ROWS) && *next < u32::from(size[1]) {
             for (view, (table, reach)) in lenses.iter().zip(&mut *reaches).enumerate() {
-                let numbers = segments_of(segments, size[0], view);
-                reach.aim(table, *next, |index, segment| {
-                    if let Some(numbers) = numbers.get_mut(index) {
-                        aim(numbers, &segment);
+                let segments = segments_of(segments, size[0], view);
+                reach.aim(table, *next, |index, curves| {
+                    if let Some(segment) = segments.get_mut(index) {
+                        aim::<WIDTH>(segment, curves, size[0] - 1);
                     }
                 });
             }
@@ -84,7 +83,7 @@ impl<const ROWS: usize, const WIDTH: usize> Rectifier<ROWS, WIDTH> {
         }
         // A frame of more rows than the tables have.
         while self.next < self.came {
-            sink(RectifiedRow { y: self.next, pair: None, raw: None });
+            sink(RectifiedRow { y: self.next, pair: None });
             self.next += 1;
         }
     }
@@ -101,38 +100,29 @@ impl<const ROWS: usize, const WIDTH: usize> Rectifier<ROWS, WIDTH> {
     fn emit_by_lenses(&mut self, needed: [[u32; 2]; 2], sink: &mut dyn FnMut(RectifiedRow<'_>)) {
         let (width, y) = (usize::from(self.size[0]), self.next);
         let middle = width / 2 / NODE_PX;
-        let nearest = [0, 1].map(|view| {
-            let numbers = segments_of(&mut self.segments, self.size[0], view);
-            let place = numbers.get(middle).map_or(0, first_down);
-            u32::try_from(floor(place + (1 << 15))).ok().filter(|&row| row < self.came)
+        let has_middle = [0, 1].into_iter().all(|view| {
+            let segments = segments_of(&mut self.segments, self.size[0], view);
+            let place = segments.get(middle).map_or(0, |segment| curves(segment)[1][0]);
+            u32::try_from(floor(place + (1 << 15))).is_ok_and(|row| row < self.came)
         });
         let has = |ring: &Ring, [first, last]: [u32; 2]| !self.is_damaged || (first..=last).all(|row| ring.has(row));
         let is_whole = has(&self.left, needed[0]) && has(&self.right, needed[1]);
-        let has_pair = is_whole && nearest.iter().all(Option::is_some);
+        let has_pair = is_whole && has_middle;
         let last = i32::try_from(self.came).unwrap_or(i32::MAX) - 1;
         let (rows, rings) = (&self.rows, [&self.left, &self.right]);
         for (view, (ring, out)) in rings.into_iter().zip(&mut self.out).enumerate() {
-            let numbers = segments_of(&mut self.segments, self.size[0], view);
+            let segments = segments_of(&mut self.segments, self.size[0], view);
             if !has_pair {
-                numbers.iter_mut().for_each(skip);
+                segments.iter_mut().for_each(skip);
                 continue;
             }
-            let row = |row: i32| {
-                let y = u32::try_from(row.min(last)).unwrap_or(0);
-                rows.get(ring.first + ring.place(y)).unwrap_or(&Self::BLANK)
-            };
-            render(numbers, row, self.size[0], out);
+            let rows = ring.rows(rows);
+            let first = (last + 1 - i32::try_from(rows.len()).unwrap_or(0)).max(0);
+            render(segments, View { rows, first, last }, self.size[0], out);
         }
         self.reaches.iter_mut().for_each(Reach::advance);
-        let raw = match nearest {
-            [Some(left), Some(right)] if self.left.has(left) && self.right.has(right) => Some(ScanlinePair {
-                left: self.left.row(&self.rows, left, width),
-                right: self.right.row(&self.rows, right, width),
-            }),
-            _ => None,
-        };
         let [left, right] = self.out.each_ref().map(|row| row.get(..width).unwrap_or(&[]));
-        sink(RectifiedRow { y, pair: has_pair.then_some(ScanlinePair { left, right }), raw });
+        sink(RectifiedRow { y, pair: has_pair.then_some(ScanlinePair { left, right }) });
         self.next += 1;
         self.aim_next();
     }
@@ -140,14 +130,14 @@ impl<const ROWS: usize, const WIDTH: usize> Rectifier<ROWS, WIDTH> {
 
 /// The segments of a view, the left one is view 0.
 #[inline(always)]
-fn segments_of(numbers: &mut [i32], width: u16, view: usize) -> &mut [[i32; Segment::LEN]] {
+fn segments_of(numbers: &mut [Number], width: u16, view: usize) -> &mut [Segment] {
     let count = usize::from(width).div_ceil(NODE_PX);
     numbers.as_chunks_mut().0.get_mut(view * count..(view + 1) * count).unwrap_or(&mut [])
 }
 
 /// Columns that a view's width needs of the capacity, so that its segments have room.
 pub(super) const fn columns_needed(width: u16) -> usize {
-    2 * Segment::LEN * (width as usize).div_ceil(NODE_PX)
+    2 * LEN * (width as usize).div_ceil(NODE_PX)
 }
 
 #[cfg(test)]
@@ -190,10 +180,10 @@ mod tests {
         120.0 + 0.9 * (x - 50.0) + 0.8 * (y - 33.0)
     }
 
-    /// Number of a row, its rectified views and the first pixels of its raw ones.
-    type Played = (u32, Option<[Vec<u8>; 2]>, Option<[u8; 2]>);
+    /// Number of a row and its rectified views.
+    type Played = (u32, Option<[Vec<u8>; 2]>);
 
-    /// Plays a frame; of each row that comes out its number, both views, the first raw pixels.
+    /// Plays a frame; of each row that comes out its number and both views.
     fn play<const ROWS: usize>(height: u16, lost: &[u16]) -> Vec<Played> {
         let rectification = Rectification { lenses: Some(lenses()), ..Rectification::default() };
         let mut rectifier = Box::new(Rectifier::<ROWS, 128>::new(SIZE, rectification).unwrap());
@@ -206,7 +196,7 @@ mod tests {
                 let before = rows.len();
                 let mut note = |row: RectifiedRow<'_>| {
                     let pair = row.pair.map(|pair| [pair.left.to_vec(), pair.right.to_vec()]);
-                    rows.push((row.y, pair, row.raw.map(|raw| [raw.left[0], raw.right[0]])));
+                    rows.push((row.y, pair));
                 };
                 if lost.contains(&y) && frame == 1 {
                     rectifier.miss(&mut note);
@@ -218,7 +208,7 @@ mod tests {
                 most = most.max(rows.len() - before);
             }
             rectifier.finish(&mut |row| {
-                rows.push((row.y, row.pair.map(|pair| [pair.left.to_vec(), pair.right.to_vec()]), None))
+                rows.push((row.y, row.pair.map(|pair| [pair.left.to_vec(), pair.right.to_vec()])));
             });
         }
         assert!(most <= 2, "{most} rows with one push");
@@ -230,7 +220,7 @@ mod tests {
         let rows = play::<40>(SIZE[1], &[]);
         assert!(rows.iter().map(|row| row.0).eq(0..u32::from(SIZE[1])));
         let mut compared = 0;
-        for (y, pair, _) in rows {
+        for (y, pair) in rows {
             for (view, turn) in pair.iter().flatten().zip([0.02, -0.03]) {
                 for (x, &found) in (0..).zip(view) {
                     let place = bent(f64::from(x), f64::from(y), turn);

@@ -140,7 +140,9 @@ impl<M: StereoMethod, const ROWS: usize, const WIDTH: usize, C: StageClock> Ster
         clock.enter(Stage::Rectify);
         *differ = *differ || pair.left != pair.right;
         // Noise is that of the rows as they came.
-        if let Some((rows, sampling)) = rectifier.newest_three().zip(Sampling::of(rectifier.came())) {
+        if let Some(sampling) = Sampling::of(rectifier.came())
+            && let Some(rows) = rectifier.newest_three()
+        {
             noise.sample(rows, sampling.first, sampling.stride, sampling.weight);
             if rectifier.came() < 16 || rectifier.came().is_multiple_of(8) {
                 method.take_noise(noise);

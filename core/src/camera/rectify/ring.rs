@@ -40,6 +40,11 @@ impl Ring {
         self.present.get(place / 32).is_some_and(|word| word >> (place % 32) & 1 == 1)
     }
 
+    /// All places.
+    pub(super) fn rows<'a, const WIDTH: usize>(&self, rows: &'a [[u8; WIDTH]]) -> &'a [[u8; WIDTH]] {
+        rows.get(self.first..self.first + self.len).unwrap_or(&[])
+    }
+
     pub(super) fn row<'a, const WIDTH: usize>(&self, rows: &'a [[u8; WIDTH]], y: u32, width: usize) -> &'a [u8] {
         rows.get(self.first + self.place(y)).and_then(|row| row.get(..width)).unwrap_or(&[])
     }

@@ -4,7 +4,7 @@ use super::lens::Reach;
 use super::lens_rows::{Schedule, columns_needed};
 use super::ring::Ring;
 use super::{LensTable, Offset, Ramp, Rectification};
-use crate::lanes::lens_runs::copy;
+use crate::lanes::lens_runs::{LEN, Number, copy};
 use crate::{ConfigError, RowError, ScanlinePair};
 
 /// Fraction bits of a place.
@@ -19,9 +19,6 @@ pub struct RectifiedRow<'a> {
     pub y: u32,
     /// The rectified pair; `None` where a row that it needs was lost or lies outside of the right view.
     pub pair: Option<ScanlinePair<'a>>,
-    /// The rows as they came that lie in the middle of it: noise and exposure are measured on these, since
-    /// interpolation takes noise away. `None` where one of them was lost.
-    pub raw: Option<ScanlinePair<'a>>,
 }
 
 /// Brings the rows of two cameras together: offset, roll and scale by a [`Ramp`] and whole columns, or full lens tables.
@@ -72,7 +69,7 @@ pub struct Rectifier<const ROWS: usize, const WIDTH: usize> {
     pub(super) is_damaged: bool,
     /// Of lens tables the next row to come out, where its segments lie in both views, and how far down they reach.
     pub(super) next: u32,
-    pub(super) segments: [i32; WIDTH],
+    pub(super) segments: [Number; WIDTH],
     pub(super) reaches: [Reach; 2],
     /// First and last row of each view that the next row needs.
     pub(super) needed: [[u32; 2]; 2],
@@ -108,7 +105,7 @@ impl<const ROWS: usize, const WIDTH: usize> Rectifier<ROWS, WIDTH> {
             return Err(ConfigError::LensSize);
         }
         if lenses.is_some() && columns_needed(size[0]) > WIDTH {
-            return Err(ConfigError::Capacity { max_width: u16::try_from(WIDTH / 22 * 32).unwrap_or(u16::MAX) });
+            return Err(ConfigError::Capacity { max_width: u16::try_from(WIDTH / (2 * LEN) * 32).unwrap_or(u16::MAX) });
         }
         let ([left, right], waits) = match &lenses {
             Some(lenses) => {
@@ -137,7 +134,7 @@ impl<const ROWS: usize, const WIDTH: usize> Rectifier<ROWS, WIDTH> {
             came: 0,
             is_damaged: false,
             next: 0,
-            segments: [0; WIDTH],
+            segments: [Number::NONE; WIDTH],
             reaches: [Reach::NONE; 2],
             needed: [[0; 2]; 2],
         };
@@ -229,19 +226,16 @@ impl<const ROWS: usize, const WIDTH: usize> Rectifier<ROWS, WIDTH> {
         let width = usize::from(self.size[0]);
         let middle = self.place_q16(0, y);
         const HALF: i32 = 1 << (FRAC_BITS - 1);
-        let nearest = self.in_view(floor(middle + HALF)).or_else(|| self.in_view(ceil(middle - HALF)));
-        let has_pair = self.left.has(y) && nearest.is_some() && self.interpolate(y);
+        let has_middle = self.is_in_view(floor(middle + HALF)) || self.is_in_view(ceil(middle - HALF));
+        let has_pair = self.left.has(y) && has_middle && self.interpolate(y);
         let is_softened = has_pair && self.ramp.is_between_rows();
         if is_softened {
             self.soften(y);
         }
         let as_it_came = self.left.row(&self.rows, y, width);
-        let raw = nearest.filter(|&nearest| self.left.has(y) && self.right.has(nearest));
-        let raw =
-            raw.map(|nearest| ScanlinePair { left: as_it_came, right: self.right.row(&self.rows, nearest, width) });
         let [right, softened] = self.out.each_ref().map(|out| out.get(..width).unwrap_or(&[]));
         let left = if is_softened { softened } else { as_it_came };
-        sink(RectifiedRow { y, pair: has_pair.then_some(ScanlinePair { left, right }), raw });
+        sink(RectifiedRow { y, pair: has_pair.then_some(ScanlinePair { left, right }) });
     }
 
     /// Softens a row of the left view about as much as interpolation softens the right one: where the one is sharp and the
@@ -276,9 +270,9 @@ impl<const ROWS: usize, const WIDTH: usize> Rectifier<ROWS, WIDTH> {
         (y << FRAC_BITS) + self.ramp.displacement_q16([twice_x, 2 * y + 1 - i32::from(self.size[1])])
     }
 
-    /// The row, if it is one of those that came.
-    fn in_view(&self, row: i32) -> Option<u32> {
-        u32::try_from(row).ok().filter(|&row| row < self.came)
+    /// Whether the row is one of those that came.
+    fn is_in_view(&self, row: i32) -> bool {
+        u32::try_from(row).is_ok_and(|row| row < self.came)
     }
 
     /// Makes a row of the right view; whether all that it needs was there.
@@ -391,12 +385,12 @@ mod tests {
         40.0 + f64::from(x % 7) + 3.0 * y
     }
 
-    fn play(ramp: Ramp, columns: i16, height: u16, lost: &[u16]) -> Vec<(u32, Option<Vec<u8>>, Option<u8>)> {
+    fn play(ramp: Ramp, columns: i16, height: u16, lost: &[u16]) -> Vec<(u32, Option<Vec<u8>>)> {
         let mut rectifier =
             Rectifier::<80, 48>::new([WIDTH, height], Rectification { columns, ..ramp.into() }).unwrap();
         let mut rows = Vec::new();
         let mut note = |row: RectifiedRow<'_>| {
-            rows.push((row.y, row.pair.map(|pair| pair.right.to_vec()), row.raw.map(|raw| raw.right[0])));
+            rows.push((row.y, row.pair.map(|pair| pair.right.to_vec())));
         };
         rectifier.start();
         for y in 0..height {
@@ -420,7 +414,7 @@ mod tests {
             let (ramp, height) = (Ramp { rows_q16, roll_q16, scale_q16 }, 44);
             let rows = play(ramp, 0, height, &[]);
             prop_assert!(rows.iter().map(|row| row.0).eq(0..u32::from(height)));
-            for (y, right, _) in rows {
+            for (y, right) in rows {
                 let twice_y = 2 * i32::try_from(y).unwrap() + 1 - i32::from(height);
                 let place = |x: i32| {
                     let twice_x = 2 * x + 1 - i32::from(WIDTH);
@@ -446,7 +440,6 @@ mod tests {
         let missed: Vec<u32> = rows.iter().filter(|row| row.1.is_none()).map(|row| row.0).collect();
         // Rows 3 and 4 need right row 5, row 5 has no left one; what the last one shows lies outside.
         assert_eq!(missed, [3, 4, 5, 11]);
-        assert_eq!(rows[0].2, Some(46), "the raw row in the middle");
     }
 
     #[test]
@@ -455,7 +448,7 @@ mod tests {
             let mut rectifier = Rectifier::<8, 48>::new([WIDTH, 5], ramp.into()).unwrap();
             let mut lefts = Vec::new();
             let mut note = |row: RectifiedRow<'_>| {
-                lefts.extend(row.pair.map(|pair| (row.raw.unwrap().left[0], pair.left[0], pair.left[39])));
+                lefts.extend(row.pair.map(|pair| (pair.left[0], pair.left[39])));
             };
             for y in 0..5 {
                 let row = [if y == 2 { 228 } else { 100 }; WIDTH as usize];
@@ -466,22 +459,22 @@ mod tests {
         };
         // A quarter of a step of 128 from either side.
         let half = Ramp { rows_q16: 1 << 15, ..Ramp::default() };
-        let wanted = [(100, 100, 100), (100, 132, 132), (228, 164, 164), (100, 132, 132), (100, 100, 100)];
+        let wanted = [(100, 100), (132, 132), (164, 164), (132, 132), (100, 100)];
         assert_eq!(lefts(half), wanted);
-        assert_eq!(lefts(Ramp::whole(0)), [100, 100, 228, 100, 100].map(|grey| (grey, grey, grey)));
+        assert_eq!(lefts(Ramp::whole(0)), [100, 100, 228, 100, 100].map(|grey| (grey, grey)));
         // Turned about the middle: a whole row off at the border, hence sharp there.
         let turned = Ramp { roll_q16: 65_536 / 20, ..Ramp::default() };
         let row = lefts(turned)[2];
-        assert!(row.1 > 200 && row.2 > 200, "{row:?}");
+        assert!(row.0 > 200 && row.1 > 200, "{row:?}");
     }
 
     #[test]
     fn whole_offsets_copy_rows_and_columns() {
         for (rows, columns) in [(3, 0), (-3, 2), (0, -5)] {
-            for (y, right, raw) in play(Ramp::whole(rows), columns, 10, &[]) {
+            for (y, right) in play(Ramp::whole(rows), columns, 10, &[]) {
                 let source = i64::from(y) + i64::from(rows);
                 let Some(right) = right else {
-                    assert!(!(0..10).contains(&source) && raw.is_none());
+                    assert!(!(0..10).contains(&source));
                     continue;
                 };
                 for (x, found) in (0..).zip(right) {

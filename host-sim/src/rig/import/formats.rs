@@ -201,6 +201,11 @@ fn opencv(documents: &[Document]) -> Result<Calibration> {
             let camera = |name: &str, k: &[f64], d: Result<Option<&[f64]>>| -> Result<Camera> {
                 Camera::new(name, k, radial("the distortion", d?.unwrap_or(&[]))?)
             };
+            match (&d1, &d2) {
+                (Ok(Some(_)), Ok(None)) => bail!("D2 is missing: distortion is told of one camera only"),
+                (Ok(None), Ok(Some(_))) => bail!("D1 is missing: distortion is told of one camera only"),
+                _ => {}
+            }
             let (left, right) = (camera("K1", k1, d1)?, camera("K2", k2, d2)?);
             match (rotation, translation) {
                 (Some(rotation), Some(translation)) => {
