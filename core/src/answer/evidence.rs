@@ -57,8 +57,8 @@ impl Floor {
         let is_noisy = noise.level >= SmoothingLevel::Medium;
         let floor = if is_noisy { floor / 2 } else { floor };
         let sure = match (noise.level, agreement) {
-            (SmoothingLevel::Off, true) => 119,
-            (SmoothingLevel::Light, true) => 136,
+            (SmoothingLevel::Off, true) => 124,
+            (SmoothingLevel::Light, true) => 140,
             (SmoothingLevel::Medium, true) => 148 + 7 * floor / 20,
             (SmoothingLevel::Strong, true) => 180,
             (SmoothingLevel::Off, false) => 110,
@@ -251,9 +251,9 @@ impl<const WORDS: usize> Evidence<WORDS> {
             let fringe = fringe | select_ge(weakest, max(quarter, ONES), 0, splat(FRINGE));
             let blank = select_ge(blank_to, strength, u32::MAX, 0);
             blanks[i] = blank.to_le_bytes();
-            // 11/16 of the strength.
+            // 3/4 of the strength.
             let half = halved_sum(strength, 0);
-            let most_fit = halved_sum(strength, halved_sum(half, halved_sum(half, 0)));
+            let most_fit = halved_sum(strength, half);
             let [fit, beside, like] = means.map(|means| u32::from_le_bytes(means[i]));
             let bonus = min(sub(min(beside, like), fit), splat(MOST_BONUS)) | fringe;
             let bonus = select_ge(sub(like, fit), unique, bonus, splat(NEVER_SURE));

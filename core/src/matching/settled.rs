@@ -70,15 +70,16 @@ impl SettledTile {
             let [before, here, after] = costs.map(|costs| (costs >> bits & 0xffff).cast_signed());
             let rise = before.max(after) - here + slope.cast_signed();
             let fraction = quotient((before - after) << 7, rise.max(1)).clamp(-128, 127);
-            let (label, fraction, cost) = if here < before.min(after) + 2 * slope.cast_signed() {
-                (self.label, fraction, here)
+            // The label two steps away limits the margin.
+            let (label, fraction, cost, margin) = if here < before.min(after) + 2 * slope.cast_signed() {
+                (self.label, fraction, here, MOST_MARGIN.cast_signed())
             } else if before <= after {
-                (self.label - 1, 0, before)
+                (self.label - 1, 0, before, (after - before).min(MOST_MARGIN.cast_signed()))
             } else {
-                (self.label + 1, 0, after)
+                (self.label + 1, 0, after, (before - after).min(MOST_MARGIN.cast_signed()))
             };
             let value = ((label << 8) + HALF).wrapping_add_signed(fraction);
-            let merit = ((128 + MOST_MARGIN).cast_signed() - 2 * cost).max(0).cast_unsigned();
+            let merit = (128 + margin - 2 * cost).max(0).cast_unsigned();
             (values, labels, merits) = (values | value << bits, labels | label << (bits / 2), merits | merit << bits);
         }
         [values, labels, merits]

@@ -18,7 +18,7 @@ use crate::matching::settled::SettledTile;
 /// By how much the sum of a tile must be less than those a step beside it.
 const CLEAR: u32 = 8;
 /// A label whose sum is so much more than the least is not kept beside it.
-const DEAR: u32 = 240;
+const DEAR: u32 = 480;
 /// What stands for no seed among the hypotheses.
 const NO_SEED: u32 = u16::MAX as u32;
 
