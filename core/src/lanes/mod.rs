@@ -41,6 +41,7 @@ pub(crate) mod evidence_rows;
 pub(crate) mod lens_runs;
 pub(crate) mod partners;
 pub(crate) mod rows;
+pub(crate) mod sevens;
 pub(crate) mod smoothing;
 pub(crate) mod trials;
 

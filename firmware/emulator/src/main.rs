@@ -12,6 +12,7 @@ mod camera;
 mod dcmi;
 mod log;
 mod phases;
+mod profile;
 mod rtt;
 mod run;
 mod sensor;
@@ -81,6 +82,10 @@ struct Args {
     /// Where the levels of the two phase pins go: each edge with its time (CSV)
     #[arg(long, value_name = "FILE")]
     phases: Option<PathBuf>,
+    /// Where a profile of the program's time goes: how often each address was the next one to execute, one look each
+    /// 1.009 us (CSV)
+    #[arg(long, value_name = "FILE")]
+    profile: Option<PathBuf>,
     /// Prints so many words of a variable when the run is over, as a probe reads them: NAME:WORDS
     #[arg(long, value_name = "NAME:WORDS", value_parser = variable)]
     read: Option<(String, usize)>,
@@ -132,12 +137,14 @@ fn run(args: &Args) -> Result<()> {
         }
         Ok(rig)
     };
-    let outcome = run::run(&args.elf, camera, make, args.limit, args.tail, args.read.as_ref())?;
+    let profile = args.profile.is_some();
+    let outcome = run::run(&args.elf, camera, make, args.limit, args.tail, args.read.as_ref(), profile)?;
     for (path, bytes) in [
         (&args.rows, &outcome.rows),
         (&args.mavlink, &outcome.mavlink),
         (&args.log, &outcome.log.into_bytes()),
         (&args.phases, &outcome.phases.into_bytes()),
+        (&args.profile, &outcome.profile.into_bytes()),
     ] {
         if let Some(path) = path {
             fs::write(path, bytes).with_context(|| path.display().to_string())?;

@@ -14,6 +14,7 @@ use rigless::time::VirtualNanos;
 
 use crate::board::Rig;
 use crate::camera::Camera;
+use crate::profile::Profile;
 use crate::rtt::Rtt;
 use crate::strike::Strike;
 use crate::{log, symbols};
@@ -30,6 +31,8 @@ pub struct Outcome {
     pub text: String,
     /// The edges of the phase pins.
     pub phases: String,
+    /// Where the core was, if that was asked for.
+    pub profile: String,
     /// The program went where nothing is.
     pub is_fatal: bool,
 }
@@ -44,6 +47,7 @@ struct Watcher {
     struck: Option<VirtualNanos>,
     /// Resets so far.
     resets: usize,
+    profile: Option<Profile>,
     limit: u64,
     tail: u64,
     /// Instructions in the end.
@@ -100,6 +104,11 @@ impl Driver<Rig> for Watcher {
     fn on_stop(&mut self, session: &mut Session<Rig>, stop: Stop, host: &mut dyn Host) -> Option<VirtualNanos> {
         self.instructions = stop.instruction_count;
         let now = stop.at;
+        if let Some(profile) = &mut self.profile
+            && let Some(next) = profile.look(now.0, host)
+        {
+            return Some(VirtualNanos(next));
+        }
         // Memory that nobody can read is a program without a log yet.
         let _ = self.rtt.as_mut().map(|rtt| rtt.drain(host));
         self.read(host);
@@ -108,7 +117,9 @@ impl Driver<Rig> for Watcher {
         let dcmi = &board.chip.dcmi;
         let shown = dcmi.ended.filter(|_| dcmi.is_over()).map(|ended| ended.0 + self.tail * LOOK);
         let end = [shown, Some(self.limit * LOOK)].into_iter().flatten().min().filter(|_| self.failed.is_none());
-        (end > Some(now.0)).then(|| VirtualNanos((now.0 / LOOK + 1) * LOOK))
+        let next = (now.0 / LOOK + 1) * LOOK;
+        let next = self.profile.as_mut().map_or(next, |profile| profile.until(next, now.0));
+        (end > Some(now.0)).then_some(VirtualNanos(next))
     }
 }
 
@@ -120,6 +131,7 @@ pub fn run(
     limit: u64,
     tail: u64,
     read: Option<&(String, usize)>,
+    profile: bool,
 ) -> Result<Outcome> {
     let name = || elf.display().to_string();
     let program = fs::read(elf).with_context(name)?;
@@ -135,8 +147,9 @@ pub fn run(
     let strike = Strike::new(camera.fault, &program).with_context(name)?;
     let session = Session::new(Box::new(make(camera)?), 0, VirtualNanos(LOOK))?;
     let rtt = block.map(Rtt::new);
+    let profile = profile.then(Profile::default);
     let watcher =
-        Watcher { rtt, variable, strike, struck: None, resets: 0, limit, tail, instructions: 0, failed: None };
+        Watcher { rtt, variable, strike, struck: None, resets: 0, profile, limit, tail, instructions: 0, failed: None };
     let finished = emulator::run(session, &Start::new(&images), watcher)?;
     let (session, watcher) = (finished.session, finished.driver);
     if let Some(error) = watcher.failed {
@@ -197,7 +210,8 @@ pub fn run(
     for access in &unmapped {
         let _ = writeln!(text, "unmapped: {access:?}");
     }
-    Ok(Outcome { rows, mavlink, log, text, phases: board.phases.csv(), is_fatal: !unmapped.is_empty() })
+    let profile = watcher.profile.map(|profile| profile.csv()).unwrap_or_default();
+    Ok(Outcome { rows, mavlink, log, text, phases: board.phases.csv(), profile, is_fatal: !unmapped.is_empty() })
 }
 
 /// The longest time from the first line of a frame to the last byte before the next one's first.

@@ -66,10 +66,7 @@ pub enum PortEvent {
         at: u32,
     },
     /// A row is lost.
-    Lost {
-        /// Words stored up to its end: they can be skipped.
-        to: u32,
-    },
+    Lost,
     /// The frame ends.
     End,
     /// What follows up to the next start is lost.
@@ -199,7 +196,7 @@ impl Port {
             // Too late to tell where the line ended.
         } else if self.state == State::OutOfStep {
             self.begin = self.stored;
-            self.tell(PortEvent::Lost { to: self.begin }, registers, events);
+            self.tell(PortEvent::Lost, registers, events);
         } else {
             self.hand_on(registers, events);
         }
@@ -211,7 +208,7 @@ impl Port {
         while self.pending() > 0 {
             let at = self.begin;
             self.begin = if self.pending() < self.row { self.stored } else { at.wrapping_add(self.row) };
-            let event = if is_whole { PortEvent::Row { at } } else { PortEvent::Lost { to: self.begin } };
+            let event = if is_whole { PortEvent::Row { at } } else { PortEvent::Lost };
             if !self.tell(event, registers, events) {
                 return;
             }
@@ -230,7 +227,7 @@ impl Port {
         if self.state == State::OutOfStep {
             self.begin = self.stored;
             if has_line {
-                self.tell(PortEvent::Lost { to: self.begin }, registers, events);
+                self.tell(PortEvent::Lost, registers, events);
             }
         } else {
             self.hand_on(registers, events);

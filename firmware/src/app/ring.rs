@@ -37,7 +37,10 @@ pub enum RawKind {
 }
 
 /// A raw row, or what stands in its place.
+#[repr(C, align(8))]
 pub struct RawRow {
+    /// The camera's bytes. They come first, at a word: so they are written and read by words.
+    pub bytes: [u8; MAX_RAW],
     /// Which it is.
     pub kind: RawKind,
     /// Where it belongs.
@@ -46,8 +49,6 @@ pub struct RawRow {
     pub begun_us: u64,
     /// Bytes of it that count.
     pub len: usize,
-    /// The camera's bytes.
-    pub bytes: [u8; MAX_RAW],
 }
 
 impl RawRow {

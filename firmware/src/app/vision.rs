@@ -8,6 +8,10 @@ use crate::app::edge::{Work, WorkClock};
 use crate::app::lookout::{Lookout, Sighting};
 use crate::app::ring::{From, MAX_WIDTH, RawKind, RawRow, ResultKind, ResultRows, SharedCounters, To};
 
+/// A row of a view, at a word: so it is written and read by words.
+#[repr(align(4))]
+struct View([u8; MAX_WIDTH]);
+
 /// Runs the stereo method over what comes until there is no more, and looks for obstacles where a `lookout` is
 /// given. Where nobody takes the results in time their frame is dropped as a whole, and counted.
 pub async fn vision<const SECTORS: usize, const BLOCKS: usize>(
@@ -20,8 +24,8 @@ pub async fn vision<const SECTORS: usize, const BLOCKS: usize>(
     counters: &SharedCounters,
 ) {
     let width = usize::from(method.config().width);
-    let (mut left, mut right) = ([0; MAX_WIDTH], [0; MAX_WIDTH]);
-    let (Some(left), Some(right)) = (left.get_mut(..width), right.get_mut(..width)) else { return };
+    let (mut left, mut right) = (View([0; MAX_WIDTH]), View([0; MAX_WIDTH]));
+    let (Some(left), Some(right)) = (left.0.get_mut(..width), right.0.get_mut(..width)) else { return };
     let mut takers = Takers { lookout, results, counters, end: FrameEnd::NONE, waits: false };
     // The frame under way, and when it began.
     let mut open = None;

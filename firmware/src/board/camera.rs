@@ -39,6 +39,7 @@ const EDM: u8 = if CLOCK_BYTES == 2 { 0b11 } else { 0b00 };
 
 /// The picture in the middle of the window.
 const FIRST_BYTE: usize = (WINDOW[0] - WIDTH) as usize;
+const FIRST_WORD: u32 = (WINDOW[0] - WIDTH) as u32 / 4;
 const PICTURE_BYTES: usize = 2 * WIDTH as usize;
 const FIRST_LINE: u32 = (WINDOW[1] as u32 - HEIGHT) / 2;
 
@@ -169,11 +170,8 @@ impl Pins {
 pub struct Camera {
     ring: DmaRing,
     events: Consumer<'static, PortEvent>,
-    /// Words read since the port's start.
-    read: u32,
     /// Lines of the frame so far.
     line: u32,
-    line_bytes: [u32; LINE_WORDS],
     _pins: Pins,
 }
 
@@ -186,7 +184,7 @@ impl Camera {
         let (events, taken) = EVENTS.take().split();
         let port = Port::new(LINE_WORDS_U32, u32::try_from(RING).unwrap_or(0));
         critical_section::with(|cs| SERVED.borrow_ref_mut(cs).replace(Served { port, events }));
-        Self { ring, events: taken, read: 0, line: 0, line_bytes: [0; LINE_WORDS], _pins: pins }
+        Self { ring, events: taken, line: 0, _pins: pins }
     }
 
     /// Stores from the next frame's start on. What sensors show before they are set up is nobody's.
@@ -214,42 +212,21 @@ impl Camera {
         self.ring.stop();
         while self.events.dequeue().is_some() {}
         self.ring.start();
-        (self.read, self.line) = (0, 0);
+        self.line = 0;
         critical_section::with(|cs| with_port(cs, |served| served.port.start(&mut Pac)));
-    }
-
-    /// Skips the words up to `to`; whether they were still there.
-    fn skip(&mut self, to: u32) -> bool {
-        while self.read != to {
-            let words = usize::try_from(to.wrapping_sub(self.read)).unwrap_or(0).min(LINE_WORDS);
-            if !self.fetch(words) {
-                return false;
-            }
-        }
-        true
     }
 
     /// The picture's bytes of the line that begins at word `at`; whether they were still there.
     fn copy(&mut self, at: u32, bytes: &mut [u8]) -> bool {
-        if !self.skip(at) || !self.fetch(LINE_WORDS) {
-            return false;
+        let Some(bytes) = bytes.get_mut(..PICTURE_BYTES) else { return false };
+        if FIRST_BYTE.is_multiple_of(4) && PICTURE_BYTES.is_multiple_of(4) {
+            return self.ring.read(at.wrapping_add(FIRST_WORD), bytes.as_chunks_mut().0);
         }
-        if FIRST_BYTE.is_multiple_of(4) {
-            let words = self.line_bytes.iter().skip(FIRST_BYTE / 4).take(PICTURE_BYTES / 4);
-            bytes.as_chunks_mut::<4>().0.iter_mut().zip(words).for_each(|(to, word)| *to = word.to_le_bytes());
-        } else {
-            let words = self.line_bytes.iter().flat_map(|word| word.to_le_bytes());
-            let picture = words.skip(FIRST_BYTE).take(PICTURE_BYTES);
-            bytes.iter_mut().zip(picture).for_each(|(to, from)| *to = from);
-        }
-        true
-    }
-
-    /// The next words of the ring.
-    fn fetch(&mut self, words: usize) -> bool {
-        let Some(to) = self.line_bytes.get_mut(..words) else { return false };
-        self.read = self.read.wrapping_add(u32::try_from(words).unwrap_or(0));
-        self.ring.read(to)
+        let mut line = [[0; 4]; LINE_WORDS];
+        let is_there = self.ring.read(at, &mut line);
+        let picture = line.as_flattened().iter().skip(FIRST_BYTE);
+        bytes.iter_mut().zip(picture).for_each(|(to, &from)| *to = from);
+        is_there
     }
 
     fn lapped(&mut self) -> SourceEvent {
@@ -278,21 +255,16 @@ impl RowSource for Camera {
                 SourceEvent::Start
             }
             PortEvent::Row { at } => {
-                let is_wanted = self.next_is_wanted();
-                // What is of no use has to be taken out of the ring, too.
-                let is_there =
-                    if is_wanted { self.copy(at, bytes) } else { self.skip(at.wrapping_add(LINE_WORDS_U32)) };
-                match (is_there, is_wanted) {
-                    (false, _) => self.lapped(),
-                    (true, true) => SourceEvent::Row(PICTURE_BYTES),
-                    (true, false) => SourceEvent::Border,
+                if !self.next_is_wanted() {
+                    SourceEvent::Border
+                } else if self.copy(at, bytes) {
+                    SourceEvent::Row(PICTURE_BYTES)
+                } else {
+                    self.lapped()
                 }
             }
-            PortEvent::Lost { to } => match (self.skip(to), self.next_is_wanted()) {
-                (false, _) => self.lapped(),
-                (true, true) => SourceEvent::Lost,
-                (true, false) => SourceEvent::Border,
-            },
+            PortEvent::Lost if self.next_is_wanted() => SourceEvent::Lost,
+            PortEvent::Lost => SourceEvent::Border,
             PortEvent::End => SourceEvent::End,
             PortEvent::Overrun => SourceEvent::Overrun,
             PortEvent::DmaError => {

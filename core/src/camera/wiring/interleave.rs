@@ -1,7 +1,9 @@
 //! Pixels of two cameras by turns, and pixels cut into nibbles.
 //!
 //! Four pixels of each view at a time in words of 32 bits, the rest of the row byte by byte: on a Cortex-M4
-//! 6 instructions for a pixel of both views, 7.5 where they are nibbles.
+//! 6 instructions for a pixel of both views, 7.5 where they are nibbles; 2.6 where they are sevens that lie at words.
+
+use crate::lanes::sevens::part_eights;
 
 /// Bytes 0, 2, 4, 6 and bytes 1, 3, 5, 7 of eight, as little-endian words.
 #[inline]
@@ -36,6 +38,9 @@ pub(super) fn join_nibbles(raw: &[u8], first: &mut [u8], second: &mut [u8]) {
 /// Of each two bytes, a little-endian word, the lowest seven bits are the highest of a pixel for `first`, the next seven
 /// those of one for `second`.
 pub(super) fn part_sevens(raw: &[u8], first: &mut [u8], second: &mut [u8]) {
+    let done = part_eights(raw, first, second);
+    let rest = raw.get(2 * done..).zip(first.get_mut(done..)).zip(second.get_mut(done..));
+    let Some(((raw, first), second)) = rest else { return };
     const SEVEN: u32 = 0x00FE_00FE;
     let of_word = |[a, b, c, d, e, f, g, h]: [u8; 8]| {
         let (low, high) = (u32::from_le_bytes([a, b, c, d]), u32::from_le_bytes([e, f, g, h]));

@@ -35,20 +35,22 @@ impl Block {
         let splat = splat_half(bits);
         let (least, span) = (bits.wrapping_sub(tolerance.into()), 2 * u32::from(tolerance));
         let counted = if own > 0 { u32::MAX } else { Self::MEASURED };
-        let one = u32::from(own) | 1 << 8;
-        // What this block and one before it reach: measured ones; sure ones, two and three.
-        let (mut chains, mut doubtful, mut reached) = (one, 0, 0);
+        // The greatest of those that agree: of their chains, of what they reach, of their disparities.
+        let (mut chains, mut sure, mut measured) = (0, 0, 0);
         for (before, before_chains) in
             [(left, left.beside), (above[0], above[0].below), (above[1], above[1].below), (above[2], above[2].below)]
         {
             let other = before.bits.cast_unsigned();
             if other.wrapping_sub(least) <= span {
-                chains = max(chains, add(before_chains & counted, one));
-                let both = select_ge_halves(before.sure, splat, splat, before.sure);
-                reached = select_ge_halves(both, reached, both, reached);
-                doubtful = doubtful.max(other.min(bits));
+                chains = max(chains, before_chains);
+                sure = select_ge_halves(before.sure, sure, before.sure, sure);
+                measured = measured.max(other);
             }
         }
+        let chains = add(chains & counted, u32::from(own) | 1 << 8);
+        // What this block and those before it reach: sure ones, two and three; measured ones.
+        let reached = select_ge_halves(sure, splat, splat, sure);
+        let doubtful = measured.min(bits);
         Self {
             bits: bits.cast_signed(),
             sure: if own > 0 { bits | reached << 16 } else { 0 },
@@ -72,7 +74,7 @@ impl Block {
 
     /// The disparity that may be there, 1/16 px, if so many measured blocks agree, and not in one row only; else 0.
     #[inline(always)]
-    pub(super) const fn doubtful(&self, length: u8) -> u32 {
-        if self.beside >> 24 != 0 && self.beside >> 8 & 0xff >= length as u32 { self.reached >> 16 } else { 0 }
+    pub(super) const fn doubtful(&self, length: u32) -> u32 {
+        if self.beside >> 24 != 0 && self.beside >> 8 & 0xff >= length { self.reached >> 16 } else { 0 }
     }
 }

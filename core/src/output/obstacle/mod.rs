@@ -27,6 +27,7 @@
 //! # Ok::<(), haarline::obstacle::ObstacleError>(())
 //! ```
 
+use core::cell::Cell;
 use core::fmt;
 
 use crate::method::capacity::blocks_for;
@@ -161,16 +162,13 @@ impl Settings {
 }
 
 impl Settings {
-    /// Weight of a sure block in a chain; that of a fringe is 1.
+    /// Weight of a sure block in a chain; that of a fringe is half of it.
     const SURE_WEIGHT: u8 = 2;
 
-    /// What a block of a confidence weighs in a chain; 0: nothing. If less than what is sure is asked for, nothing is less.
-    fn weight(&self, confidence: u8) -> u8 {
-        if confidence >= self.min_confidence {
-            Self::SURE_WEIGHT
-        } else {
-            u8::from(self.min_confidence == Self::SURE && confidence >= Self::FRINGE)
-        }
+    /// From which confidence on a block weighs something in a chain. If another confidence than what is sure is asked for,
+    /// there is no fringe.
+    fn fringe(&self) -> u8 {
+        if self.min_confidence == Self::SURE { Self::FRINGE } else { self.min_confidence }
     }
 }
 
@@ -340,32 +338,37 @@ impl<const SECTORS: usize, const BLOCKS: usize> Obstacles<SECTORS, BLOCKS> {
     #[inline(never)]
     fn extend(&mut self, lane: &Lane, row: &DisparityRow<'_>, count: usize) {
         let Self { camera, settings, blocks, .. } = self;
-        let (doffs, settings) = (camera.rig().doffs_bits(), *settings);
-        let (mut left, mut above_left) = (Block::NONE, Block::NONE);
-        let mut above = blocks.first().copied().unwrap_or(Block::NONE);
-        let mut column = Self::SAMPLE;
-        for index in 0..count {
-            let above_right = blocks.get(index + 1).copied().unwrap_or(Block::NONE);
+        let (doffs, tolerance) = (camera.rig().doffs_bits(), settings.tolerance);
+        let (sure, fringe) = (settings.min_confidence, settings.fringe());
+        let least = fringe.min(Settings::MEASURED);
+        let samples = row.disparity.as_chunks::<SIZE>().0.iter().zip(row.confidence.as_chunks::<SIZE>().0);
+        let blocks = Cell::from_mut(blocks.get_mut(..count).unwrap_or(&mut [])).as_slice_of_cells();
+        // At the border of the view a block is made of one side only, in noise it is wrong by more: there is none.
+        let Some([first, inner @ .., _]) = blocks.get(..) else {
+            blocks.iter().for_each(|block| block.set(Block::NONE));
+            return;
+        };
+        let (mut left, mut above_left) = (Block::NONE, first.replace(Block::NONE));
+        let rights = blocks.iter().skip(2);
+        let mut above = inner.first().map_or(Block::NONE, Cell::get);
+        for ((here, right), (disparities, confidences)) in inner.iter().zip(rights).zip(samples.skip(1)) {
+            let above_right = right.get();
             let mut block = Block::NONE;
-            // At the border of the view a block is made of one side only: in noise it is wrong by more.
-            if index > 0
-                && index + 1 < count
-                && let Some(&confidence) = row.confidence.get(column)
-                && let weight = settings.weight(confidence)
-                && (weight > 0 || confidence >= Settings::MEASURED)
-                && let Some(&disparity) = row.disparity.get(column)
-                && let Some(bits) = disparity.known()
+            let confidence = confidences[Self::SAMPLE];
+            if confidence >= least
+                && let Some(bits) = disparities[Self::SAMPLE].known()
                 && let bits = i32::from(bits) + doffs
                 && lane.holds(bits)
             {
+                let weight = if confidence >= sure { Settings::SURE_WEIGHT } else { u8::from(confidence >= fringe) };
                 let above = [&above_left, &above, &above_right];
-                block = Block::grow(bits.unsigned_abs(), weight, &left, above, settings.tolerance);
+                block = Block::grow(bits.unsigned_abs(), weight, &left, above, tolerance);
             }
-            if let Some(slot) = blocks.get_mut(index) {
-                *slot = block;
-            }
+            here.set(block);
             (left, above_left, above) = (block, above, above_right);
-            column += SIZE;
+        }
+        if let Some(last) = blocks.last() {
+            last.set(Block::NONE);
         }
     }
 
@@ -379,35 +382,33 @@ impl<const SECTORS: usize, const BLOCKS: usize> Obstacles<SECTORS, BLOCKS> {
         let mut passed = directions.clone();
         let (mut gap, mut doubtful) = (Gap { first: 0, bits: 0 }, [0; SECTORS]);
         let mut report = Report { sector: None, bits: 0 };
-        let mut column = Self::SAMPLE;
-        for index in 0..count {
-            let Some(&block) = self.blocks.get(index) else { break };
+        // No chain is so long.
+        let doubtful_blocks = if doubtful_blocks == 0 { u32::MAX } else { doubtful_blocks.into() };
+        let confidences = row.confidence.as_chunks::<SIZE>().0;
+        // There is none at the border of the view.
+        for index in 1..count.saturating_sub(1) {
+            let (Some(&block), Some(confidences)) = (self.blocks.get(index), confidences.get(index)) else { break };
             let is_believed = block.is_believed(least_weight);
             if is_believed {
-                let sector = directions.sector_of(column);
+                let sector = directions.sector_of(SIZE * index + Self::SAMPLE);
                 if sector != report.sector {
                     self.note(lane, report);
                     report = Report { sector, bits: 0 };
                 }
                 report.bits = report.bits.max(block.told());
             }
-            if doubtful_blocks > 0 {
-                let bits = block.doubtful(doubtful_blocks);
-                let is_border = index == 0 || index + 1 == count;
-                let is_sure = !is_border && row.confidence.get(column).is_some_and(|&sure| sure >= min_confidence);
-                if !is_sure {
-                    gap.bits = gap.bits.max(bits);
-                } else {
-                    if gap.bits > 0 {
-                        self.doubt(&mut passed, gap, index, &mut doubtful);
-                    }
-                    gap = Gap { first: index + 1, bits: 0 };
-                    if bits > 0 && !is_believed {
-                        self.doubt(&mut passed, Gap { first: index, bits }, index + 1, &mut doubtful);
-                    }
+            let bits = block.doubtful(doubtful_blocks);
+            if confidences[Self::SAMPLE] < min_confidence {
+                gap.bits = gap.bits.max(bits);
+            } else {
+                if gap.bits > 0 {
+                    self.doubt(&mut passed, gap, index, &mut doubtful);
+                }
+                gap = Gap { first: index + 1, bits: 0 };
+                if bits > 0 && !is_believed {
+                    self.doubt(&mut passed, Gap { first: index, bits }, index + 1, &mut doubtful);
                 }
             }
-            column += SIZE;
         }
         self.note(lane, report);
         if gap.bits > 0 {

@@ -1,15 +1,18 @@
 //! The ring that DMA1 fills from the camera port: its counter tells how far it has come.
 
+use core::sync::atomic::AtomicU32;
+
 use embassy_stm32::dma::{Channel, InterruptHandler, ReadableRingBuffer, TransferOptions};
 use embassy_stm32::interrupt::typelevel::{Binding, DMA1_STREAM0, Handler};
 use embassy_stm32::peripherals::{self, DMA1_CH0};
 use embassy_stm32::{Peri, dcmi, pac};
 
-use crate::board::camera::{PortHandler, RING, serve};
+use crate::app::address_ring::AddressRing;
+use crate::board::camera::{PortHandler, RING, serve, stored};
 use crate::board::dma_memory::DmaCell;
 use crate::dma_cell;
 
-static MEMORY: DmaCell<[u32; RING]> = dma_cell!([u32; RING]);
+static MEMORY: DmaCell<[AtomicU32; RING]> = dma_cell!([AtomicU32; RING]);
 
 /// Where in the ring DMA stores next, words.
 pub fn position() -> u32 {
@@ -35,8 +38,11 @@ impl Handler<DMA1_STREAM0> for PortHandler {
     }
 }
 
-/// The ring.
-pub struct DmaRing(ReadableRingBuffer<'static, u32>);
+/// The ring. The HAL's reading out of it takes a division for each word: it only starts and stops DMA.
+pub struct DmaRing {
+    dma: ReadableRingBuffer<'static, u32>,
+    ring: AddressRing<'static>,
+}
 
 impl DmaRing {
     /// Takes the channel. Can be called once.
@@ -48,31 +54,32 @@ impl DmaRing {
         irqs: impl Binding<DMA1_STREAM0, InterruptHandler<DMA1_CH0>> + 'static,
     ) -> Self {
         let request = dcmi::FrameDma::<peripherals::DCMI>::request(&*dma);
-        let memory = MEMORY.take([0; RING]);
+        let memory: &'static [AtomicU32; RING] = MEMORY.take([const { AtomicU32::new(0) }; RING]);
         let from = pac::DCMI.dr().as_ptr().cast::<u32>();
         #[expect(unsafe_code, reason = "DMA into memory that is the ring's alone")]
-        // SAFETY: the data register stays where it is, and nobody else has the memory.
-        let ring = unsafe {
-            ReadableRingBuffer::new(Channel::new(dma, irqs), request, from, memory, TransferOptions::default())
+        // SAFETY: the data register stays where it is; the HAL gives the memory's address to DMA and never looks at it
+        // itself, for nobody reads by it, and who does reads atomically.
+        let dma = unsafe {
+            let words = core::slice::from_raw_parts_mut(memory.as_ptr().cast::<u32>().cast_mut(), RING);
+            ReadableRingBuffer::new(Channel::new(dma, irqs), request, from, words, TransferOptions::default())
         };
-        Self(ring)
+        Self { dma, ring: AddressRing::new(memory, 0) }
     }
 
     /// Stops DMA.
     pub fn stop(&mut self) {
-        self.0.request_pause();
-        while self.0.is_running() {}
+        self.dma.request_pause();
+        while self.dma.is_running() {}
     }
 
     /// Starts DMA at the ring's first word.
     pub fn start(&mut self) {
-        self.0.start();
-        self.0.clear();
+        self.dma.start();
+        self.ring.restart();
     }
 
-    /// Reads the next words; whether they were still there.
-    pub fn read(&mut self, to: &mut [u32]) -> bool {
-        let words = to.len();
-        matches!(self.0.read(to), Ok((count, _)) if count == words)
+    /// Reads the words from the one numbered `at` on; whether they were still there.
+    pub fn read(&mut self, at: u32, to: &mut [[u8; 4]]) -> bool {
+        self.ring.read(at, to, stored)
     }
 }

@@ -144,9 +144,9 @@ impl DmaRing {
         channel().cr().modify(|w| w.set_en(true));
     }
 
-    /// Reads the next words; whether they were still there.
-    pub fn read(&mut self, to: &mut [u32]) -> bool {
-        self.ring.read(to, stored)
+    /// Reads the words from the one numbered `at` on; whether they were still there.
+    pub fn read(&mut self, at: u32, to: &mut [[u8; 4]]) -> bool {
+        self.ring.read(at, to, stored)
     }
 }
 
