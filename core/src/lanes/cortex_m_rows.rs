@@ -158,32 +158,52 @@ pub(crate) unsafe fn gradient_down_fours(
     }
 }
 
-/// Copies `8 * eights` words, their bytes flipped.
+/// Instructions that flip a register's bytes, doubled before if asked.
+macro_rules! flipped {
+    (doubled, $register:literal) => {
+        concat!("uqadd8 ", $register, ", ", $register, ", ", $register, "\n", flipped!(plain, $register))
+    };
+    (plain, $register:literal) => {
+        concat!("eor ", $register, ", ", $register, ", #0x80808080\n")
+    };
+}
+
+macro_rules! flip_row {
+    ($how:ident, $from:ident, $to:ident, $eights:ident) => {
+        asm!(
+            "2:",
+            "ldm {from}!, {{r0, r1, r2, r3, r4, r5, r8, r9}}",
+            flipped!($how, "r0"),
+            flipped!($how, "r1"),
+            flipped!($how, "r2"),
+            flipped!($how, "r3"),
+            flipped!($how, "r4"),
+            flipped!($how, "r5"),
+            flipped!($how, "r8"),
+            flipped!($how, "r9"),
+            "stm {to}!, {{r0, r1, r2, r3, r4, r5, r8, r9}}",
+            "cmp {from}, {end}",
+            "bne 2b",
+            from = inout(reg) $from => _, to = inout(reg) $to => _, end = in(reg) $from.add(8 * $eights),
+            out("r0") _, out("r1") _, out("r2") _, out("r3") _, out("r4") _, out("r5") _, out("r8") _, out("r9") _,
+            options(nostack),
+        )
+    };
+}
+
+/// Copies `8 * eights` words, their bytes doubled once, saturating, if asked, and flipped.
 ///
 /// # Safety
 /// `from` must be aligned and both must have so many words; `eights` must not be 0.
 #[inline(always)]
-pub(crate) unsafe fn flip_eights(from: *const u32, to: *mut u32, eights: usize) {
+pub(crate) unsafe fn flip_eights(from: *const u32, to: *mut u32, eights: usize, are_doubled: bool) {
     // SAFETY: as the caller promises.
     unsafe {
-        asm!(
-            "2:",
-            "ldm {from}!, {{r0, r1, r2, r3, r4, r5, r8, r9}}",
-            "eor r0, r0, #0x80808080",
-            "eor r1, r1, #0x80808080",
-            "eor r2, r2, #0x80808080",
-            "eor r3, r3, #0x80808080",
-            "eor r4, r4, #0x80808080",
-            "eor r5, r5, #0x80808080",
-            "eor r8, r8, #0x80808080",
-            "eor r9, r9, #0x80808080",
-            "stm {to}!, {{r0, r1, r2, r3, r4, r5, r8, r9}}",
-            "cmp {from}, {end}",
-            "bne 2b",
-            from = inout(reg) from => _, to = inout(reg) to => _, end = in(reg) from.add(8 * eights),
-            out("r0") _, out("r1") _, out("r2") _, out("r3") _, out("r4") _, out("r5") _, out("r8") _, out("r9") _,
-            options(nostack),
-        );
+        if are_doubled {
+            flip_row!(doubled, from, to, eights);
+        } else {
+            flip_row!(plain, from, to, eights);
+        }
     }
 }
 

@@ -149,10 +149,10 @@ pub(crate) fn fill(row: &mut [u32], pixels: &[u8], doublings: u32) {
     #[cfg(not(haarline_dsp))]
     let done = 0;
     #[cfg(haarline_dsp)]
-    let done = if doublings == 0 && pixels.as_ptr().cast::<u32>().is_aligned() && pixels.len() >= 32 {
+    let done = if doublings < 2 && pixels.as_ptr().cast::<u32>().is_aligned() && pixels.len() >= 32 {
         let eights = pixels.len() / 32;
         // SAFETY: aligned; the pixels have 32 * eights bytes, and the row as many.
-        unsafe { super::flip_eights(pixels.as_ptr().cast(), row.as_mut_ptr(), eights) };
+        unsafe { super::flip_eights(pixels.as_ptr().cast(), row.as_mut_ptr(), eights, doublings == 1) };
         8 * eights
     } else {
         0
