@@ -39,7 +39,7 @@ pub(in crate::command) struct Args {
     /// Where counts.csv (counts_m33.csv of a program for an505) and accuracy.csv go, in the sources host-sim/src/power/plan
     #[arg(short, long = "output", value_name = "DIR", required_unless_present = "check")]
     output: Option<PathBuf>,
-    /// Counts at sizes that are not stored instead, and ends with exit status 1 if one is more than 5.5 % off what haarline power
+    /// Counts at sizes that are not stored instead, and ends with exit status 1 if one is more than 7 % off what haarline power
     /// plan makes of the stored ones
     #[arg(long, conflicts_with = "output")]
     check: bool,

@@ -9,7 +9,7 @@ use super::cost::CostModel;
 use super::counts::{Count, Input};
 
 /// What a plan may be off, %.
-pub const MOST_PERCENT: f64 = 5.5;
+pub const MOST_PERCENT: f64 = 7.0;
 
 /// Errors of a method's plans on one input, over several sizes.
 #[derive(Debug)]
