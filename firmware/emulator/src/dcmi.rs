@@ -189,7 +189,9 @@ impl Dcmi {
                     self.next_frame(context);
                     return;
                 }
-                if !self.wake(now) {
+                // A sensor that runs freely, as before its set-up, waits for no trigger.
+                let is_triggered = !matches!(self.sensor_timing().mode, Mode::Streaming(_));
+                if is_triggered && !self.wake(now) {
                     self.next_frame(context);
                     return;
                 }
