@@ -1,5 +1,5 @@
-//! Which disparity it is. A `tile_seed` from contours that both views see, the search of a `tile` among a few labels, then
-//! the `agreement` of neighbours on them, or cells `alone`; or a `block_search`, by the `extremum` search along the cost of
+//! Which disparity it is. A `tile_seed` from contours that both views see, the search of a `tile` among a few labels, then,
+//! unless it is `settled`, the `agreement` of neighbours on them, or cells `alone`; or a `block_search`, by the `extremum` search along the cost of
 //! each block. For points: `pairing` of contours.
 
 pub(crate) mod agreement;
