@@ -16,10 +16,10 @@ use crate::answer::median::{MOST_DOUBTFUL, confidences, medians};
 use crate::answer::neighbourhood::{words, words_of};
 use crate::answer::right_view::{RightView, Stretch, columns};
 use crate::front_end::camera_view::Row;
-use crate::lanes::answer_rows::{PixelPair, PlanePairs, WordAligned, lay_planes, write_moved};
+use crate::lanes::answer_rows::{PlanePairs, WordAligned, down_bits, lay_planes, raised, write_moved};
 use crate::lanes::rows::window_sad;
-use crate::lanes::smoothing::{Values, blend_pair, halves, word};
-use crate::lanes::{ONES, add_halves, difference, min, select_ge, signed_max_halves, splat, splat_half, sub_halves};
+use crate::lanes::smoothing::Values;
+use crate::lanes::{ONES, difference, min, select_ge, splat, splat_half};
 use crate::{Config, Disparity};
 
 /// Confidence of a guess: 1 to 15.
@@ -38,7 +38,7 @@ const LEFT: u32 = 0x0000_ffff;
 pub(crate) struct AnswerRow<const WORDS: usize> {
     /// Disparity of the columns 0, 1 and 2, 3 of a cell, as [`Disparity::into_bits`]; two in a word.
     pixels: [[u32; 2]; WORDS],
-    /// What the lower row has more than the middle, the upper one less, in the same unit.
+    /// What the next half row down has more, in the same unit.
     slope: [i16; WORDS],
     /// Confidence of the four columns.
     pub(crate) confidence: WordAligned<[[u8; 4]; WORDS]>,
@@ -60,12 +60,12 @@ impl<const WORDS: usize> AnswerRow<WORDS> {
     pub(crate) const EMPTY: Self =
         Self { pixels: [[0; 2]; WORDS], slope: [0; WORDS], confidence: WordAligned([[0; 4]; WORDS]) };
 
-    /// Answers a cell row.
-    pub(crate) fn answer(&mut self, config: &Config, sources: &Sources<'_, WORDS>) {
+    /// Answers a row of cells that are so many rows high.
+    pub(crate) fn answer<const HEIGHT: u32>(&mut self, config: &Config, sources: &Sources<'_, WORDS>) {
         let cells = usize::from(config.width).div_ceil(4);
         let mut median = [0; WORDS];
         self.survey(sources, cells, &mut median);
-        self.lay_planes(config, sources.rows, &median, cells);
+        self.lay_planes::<HEIGHT>(config, sources.rows, &median, cells);
         self.part(config, sources, &median, cells);
         self.doubt_blank(cells, &median, sources.worth);
     }
@@ -86,7 +86,13 @@ impl<const WORDS: usize> AnswerRow<WORDS> {
 
     /// Lays a plane through each cell and its neighbours on the same surface.
     #[inline(never)]
-    fn lay_planes(&mut self, config: &Config, rows: [&CellRow<WORDS>; 3], median: &[u8; WORDS], cells: usize) {
+    fn lay_planes<const HEIGHT: u32>(
+        &mut self,
+        config: &Config,
+        rows: [&CellRow<WORDS>; 3],
+        median: &[u8; WORDS],
+        cells: usize,
+    ) {
         let count = cells.div_ceil(2);
         let Values { mut value, mut slope } = rows[1].values;
         // Some cells take the label of their neighbours.
@@ -108,18 +114,15 @@ impl<const WORDS: usize> AnswerRow<WORDS> {
             slopes: &slope.as_chunks::<2>().0[..count],
             same: SAME_SURFACES,
             bases: [raised(7) as i16, -(raised(7) as i16)].map(|raised| pair_of((base + raised).into())),
-            raised: splat_half(raised(6)),
+            raised: splat_half(raised(down_bits(HEIGHT))),
         };
         let (pixels, downs) =
             (&mut self.pixels.as_chunks_mut::<2>().0[..count], &mut self.slope.as_chunks_mut::<2>().0[..count]);
-        let laid = lay_planes(&planes, pixels, downs);
-        for i in laid..count {
-            (pixels[i], downs[i]) = lay_pair(&planes, i);
-        }
+        lay_planes::<HEIGHT>(&planes, pixels, downs);
     }
 
     /// Where surfaces part: at a jump along the row the half of a cell beside it takes the neighbour's surface, if that fits
-    /// twice as well; left of a jump upwards, as at the margins of the right view, something may be hidden there.
+    /// better by a quarter; left of a jump upwards, as at the margins of the right view, something may be hidden there.
     #[inline(never)]
     fn part(&mut self, config: &Config, sources: &Sources<'_, WORDS>, median: &[u8; WORDS], cells: usize) {
         let mut halves = [*median; 2];
@@ -185,7 +188,7 @@ impl<const WORDS: usize> AnswerRow<WORDS> {
             };
             let (own, other) = (labels[1 - half], labels[half]);
             if let (Some(own), Some(others)) = (fit(own), fit(other))
-                && 2 * others < own
+                && 4 * others < 3 * own
             {
                 let neighbour = if half == 1 { c } else { c - 1 };
                 // Of a label that the median put in the place of another only the whole disparity is known.
@@ -310,68 +313,21 @@ impl<const WORDS: usize> AnswerRow<WORDS> {
         }
     }
 
-    /// Writes the disparities of the upper or the lower row.
+    /// Writes the disparities of a row, `HALF_ROWS` half rows below the middle of the cells.
     #[inline(never)]
-    pub(crate) fn write(&self, is_lower: bool, config: &Config, out: &mut [[Disparity; 4]; WORDS]) {
-        if is_lower {
-            self.write_row::<true>(config, out);
-        } else {
-            self.write_row::<false>(config, out);
-        }
-    }
-
-    /// Writes the disparities of a row, moved from the middle of the cells by their slope, down or up.
-    #[inline(always)]
-    fn write_row<const DOWN: bool>(&self, config: &Config, out: &mut [[Disparity; 4]; WORDS]) {
-        let cells = usize::from(config.width).div_ceil(4);
+    pub(crate) fn write<const HALF_ROWS: i32>(&self, config: &Config, out: &mut [[Disparity; 4]; WORDS]) {
+        let pairs = usize::from(config.width).div_ceil(8);
         // Nothing is farther than the least disparity searched.
         let least = pair_of(Disparity::from_px(config.min_disparity).into_bits().into());
-        let (pixels, slopes, out) = (&self.pixels[..cells], &self.slope[..cells], &mut out[..cells]);
-        let pairs = out.as_chunks_mut().0;
-        let done = 2 * write_moved::<DOWN>(pixels.as_chunks().0, slopes.as_chunks().0, least, pairs);
-        for cell in done..cells {
-            let slope = pair_of(slopes[cell].into());
-            let [a, b] = pixels[cell].map(|pair| {
-                let moved = if DOWN { add_halves(pair, slope) } else { sub_halves(pair, slope) };
-                signed_max_halves(moved, least)
-            });
-            out[cell] = [a, a >> 16, b, b >> 16].map(|bits| Disparity::from_bits(bits as u16 as i16));
-        }
+        let (pixels, slopes) = (self.pixels.as_chunks().0, self.slope.as_chunks().0);
+        write_moved::<HALF_ROWS>(&pixels[..pairs], &slopes[..pairs], least, &mut out.as_chunks_mut().0[..pairs]);
     }
-}
-
-/// The plane through a pair of cells: its pixels, and what the lower row has more.
-#[inline(always)]
-fn lay_pair(planes: &PlanePairs<'_>, i: usize) -> (PixelPair, [i16; 2]) {
-    let [above, here, below] = planes.values.map(|row| word(row[i]));
-    let across = word(planes.slopes[i].map(i16::cast_unsigned));
-    let (here, down) = blend_pair(planes.same, here, above, below);
-    // A quarter of the slope lies between two columns. Each is rounded on its own: so a packet tells a cell by three
-    // small numbers.
-    let middle = add_halves(here >> 3 & 0x1fff_1fff, splat_half(1)) >> 1 & 0x1fff_1fff;
-    let [less, more] = planes.bases.map(|base| add_halves(middle, base));
-    let near = divided::<7>(across);
-    let far = divided::<7>(add_halves(add_halves(across, across), across));
-    let [a, b, c, d] = [sub_halves(less, far), sub_halves(less, near), add_halves(more, near), add_halves(more, far)];
-    let pixels = [[a & 0xffff | b << 16, c & 0xffff | d << 16], [a >> 16 | b & 0xffff_0000, c >> 16 | d & 0xffff_0000]];
-    (pixels, halves(sub_halves(divided::<6>(down), planes.raised)).map(u16::cast_signed))
 }
 
 /// Limits the confidence of the four columns of a cell.
 #[inline(always)]
 fn limit(confidence: &mut [u8; 4], most: u32) {
     *confidence = min(u32::from_le_bytes(*confidence), splat(most)).to_le_bytes();
-}
-
-/// What [`divided`] adds.
-const fn raised(bits: u32) -> u32 {
-    0x8000 >> bits
-}
-
-/// Two signed numbers divided by 2 to the power of `BITS`, rounded, and [`raised`], so that neither is negative.
-#[inline(always)]
-fn divided<const BITS: u32>(numbers: u32) -> u32 {
-    add_halves(numbers, splat_half(0x8000 + (1 << (BITS - 1)))) >> BITS & splat_half(0xffff >> BITS)
 }
 
 /// The value of a cell that takes the label of its neighbours, and its slope along the row.

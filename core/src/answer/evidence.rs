@@ -7,8 +7,8 @@
 //! - it is *unique*: it fits better than what lies at that distance, and clearly so where the row repeats itself; there in the
 //!   right view, too;
 //! - it is *seen*: the views differ less than the left one varies, and the features around are stronger than noise;
-//! - it is no *fringe*: not at the side of a contour where hardly anything else is to be seen; nor, where smoothing in noise
-//!   reaches so far, above or below what ends on a blank. The contour's surface is right there, where it ends is not.
+//! - it is no *fringe*: not at the side of a contour where hardly anything else is to be seen, nor above or below what ends on
+//!   a blank. The contour's surface is right there, where it ends is not.
 #![allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "bytes are cut out, labels are below 256")]
 
 use crate::Config;
@@ -57,14 +57,14 @@ impl Floor {
         let is_noisy = noise.level >= SmoothingLevel::Medium;
         let floor = if is_noisy { floor / 2 } else { floor };
         let sure = match (noise.level, agreement) {
-            (SmoothingLevel::Off, true) => 124,
-            (SmoothingLevel::Light, true) => 140,
+            (SmoothingLevel::Off, true) => 121,
+            (SmoothingLevel::Light, true) => 138,
             (SmoothingLevel::Medium, true) => 148 + 7 * floor / 20,
             (SmoothingLevel::Strong, true) => 180,
-            (SmoothingLevel::Off, false) => 110,
-            (SmoothingLevel::Light, false) => 113,
-            (SmoothingLevel::Medium, false) => 106,
-            (SmoothingLevel::Strong, false) => 103,
+            (SmoothingLevel::Off, false) => 98,
+            (SmoothingLevel::Light, false) => 104,
+            (SmoothingLevel::Medium, false) => 102,
+            (SmoothingLevel::Strong, false) => 101,
         };
         let percent = match noise.level {
             SmoothingLevel::Off => 40,
@@ -231,14 +231,13 @@ impl<const WORDS: usize> Evidence<WORDS> {
         let strengths = rows.map(|row| words(&row.strength, count));
         let unique = splat(if self.is_repeated { UNIQUE_IN_REPETITION } else { UNIQUE });
         let blank_to = splat(floor.blank);
-        // A 16th of the strongest.
         let noisy = if floor.is_noisy { u32::MAX } else { 0 };
-        let sixteenths = splat(0x0f) & noisy;
         let down = |i: usize| {
             let [above, here, below] = strengths.map(|row| u32::from_le_bytes(row[i]));
             // What is strong above or below only is not seen here.
             let strength = min(halved_sum(above, here), halved_sum(below, here));
-            let least = max(max(above, below), here) >> 4 & sixteenths;
+            // A 16th of the strongest.
+            let least = max(max(above, below), here) >> 4 & splat(0x0f);
             let fringe = select_ge(min(above, below), least, 0, splat(FRINGE));
             [strength, fringe]
         };

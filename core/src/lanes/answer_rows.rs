@@ -1,7 +1,15 @@
 //! Rows of answers, two cells a word: planes through cells, and the pixels that they make.
 #![cfg_attr(haarline_dsp, expect(unsafe_code, reason = "pieces of assembly, after one check a row"))]
+#![cfg_attr(
+    not(haarline_dsp),
+    allow(clippy::cast_possible_truncation, clippy::cast_possible_wrap, reason = "halves of words are cut out")
+)]
 
 use crate::Disparity;
+#[cfg(not(haarline_dsp))]
+use crate::lanes::smoothing::{blend_pair, halves, word};
+#[cfg(not(haarline_dsp))]
+use crate::lanes::{add_halves, signed_max_halves, splat_half, sub_halves};
 
 /// Disparities of two cells in the middle of their rows, the columns 0, 1 and 2, 3 of each, two in a word.
 pub(crate) type PixelPair = [[u32; 2]; 2];
@@ -20,24 +28,59 @@ pub(crate) struct PlanePairs<'a> {
     pub(crate) raised: u32,
 }
 
-/// Lays planes through as many pairs as all have: pixels, and what the lower row has more. How many were laid.
+/// The power of 2 by which the slope down, from one value to the next, is divided for half a row of pixels.
+///
+/// - `height`: rows of a cell, 2 or 4. A value is 16 times as fine as a disparity.
+pub(crate) const fn down_bits(height: u32) -> u32 {
+    5 + height / 2
+}
+
+/// Lays planes through as many pairs of cells, so many rows high, as all have: pixels, and what the next half row down has more.
 #[inline(always)]
-pub(crate) fn lay_planes(planes: &PlanePairs<'_>, pixels: &mut [PixelPair], downs: &mut [[i16; 2]]) -> usize {
+pub(crate) fn lay_planes<const HEIGHT: u32>(planes: &PlanePairs<'_>, pixels: &mut [PixelPair], downs: &mut [[i16; 2]]) {
     #[cfg(haarline_dsp)]
     {
         let [above, here, below] = planes.values.map(<[_]>::len);
         let pairs = above.min(here).min(below).min(planes.slopes.len()).min(pixels.len()).min(downs.len());
         if pairs > 0 {
             // SAFETY: all have so many.
-            unsafe { super::lay_plane_pairs(planes, pixels.as_mut_ptr(), downs.as_mut_ptr(), pairs) };
+            unsafe { super::lay_plane_pairs::<HEIGHT>(planes, pixels.as_mut_ptr(), downs.as_mut_ptr(), pairs) };
         }
-        pairs
     }
     #[cfg(not(haarline_dsp))]
-    {
-        let _ = (planes, pixels, downs);
-        0
+    for (i, (pixels, down)) in pixels.iter_mut().zip(downs).enumerate() {
+        (*pixels, *down) = lay_pair::<HEIGHT>(planes, i);
     }
+}
+
+/// The plane through a pair of cells: its pixels, and what the next half row down has more.
+#[cfg(not(haarline_dsp))]
+#[inline(always)]
+fn lay_pair<const HEIGHT: u32>(planes: &PlanePairs<'_>, i: usize) -> (PixelPair, [i16; 2]) {
+    let [above, here, below] = planes.values.map(|row| word(row[i]));
+    let across = word(planes.slopes[i].map(i16::cast_unsigned));
+    let (here, down) = blend_pair(planes.same, here, above, below);
+    // A quarter of the slope lies between two columns. Each is rounded on its own: so a packet tells a cell by three
+    // small numbers.
+    let middle = add_halves(here >> 3 & 0x1fff_1fff, splat_half(1)) >> 1 & 0x1fff_1fff;
+    let [less, more] = planes.bases.map(|base| add_halves(middle, base));
+    let near = divided(across, 7);
+    let far = divided(add_halves(add_halves(across, across), across), 7);
+    let [a, b, c, d] = [sub_halves(less, far), sub_halves(less, near), add_halves(more, near), add_halves(more, far)];
+    let pixels = [[a & 0xffff | b << 16, c & 0xffff | d << 16], [a >> 16 | b & 0xffff_0000, c >> 16 | d & 0xffff_0000]];
+    (pixels, halves(sub_halves(divided(down, down_bits(HEIGHT)), planes.raised)).map(u16::cast_signed))
+}
+
+/// What [`divided`] adds.
+pub(crate) const fn raised(bits: u32) -> u32 {
+    0x8000 >> bits
+}
+
+/// Two signed numbers divided by 2 to the power of `bits`, rounded, and [`raised`], so that neither is negative.
+#[cfg(not(haarline_dsp))]
+#[inline(always)]
+fn divided(numbers: u32, bits: u32) -> u32 {
+    add_halves(numbers, splat_half(0x8000 + (1 << (bits - 1)))) >> bits & splat_half(0xffff >> bits)
 }
 
 /// What begins at a word, so that it is written and read by whole words.
@@ -45,30 +88,32 @@ pub(crate) fn lay_planes(planes: &PlanePairs<'_>, pixels: &mut [PixelPair], down
 #[repr(align(4))]
 pub(crate) struct WordAligned<T>(pub(crate) T);
 
-/// Writes a row of pixels, moved down or up by the slopes of their cells, none less than `least`, of as many pairs as all
-/// have. How many were written: none where there is no quicker way than one by one.
+/// Writes a row of pixels, moved down by so many times the slopes of their cells, -3, -1, 1 or 3, none less than `least`, of as
+/// many pairs as all have.
 #[inline(always)]
-pub(crate) fn write_moved<const DOWN: bool>(
+pub(crate) fn write_moved<const TIMES: i32>(
     pixels: &[PixelPair],
     slopes: &[[i16; 2]],
     least: u32,
     out: &mut [[[Disparity; 4]; 2]],
-) -> usize {
+) {
     #[cfg(haarline_dsp)]
     {
         let pairs = pixels.len().min(slopes.len()).min(out.len());
         let out: *mut u32 = out.as_mut_ptr().cast();
-        if pairs == 0 || !out.is_aligned() {
-            return 0;
+        assert!(out.is_aligned());
+        if pairs > 0 {
+            // SAFETY: all have so many; the disparities are 16 bits each, of any value, and aligned.
+            unsafe { super::write_moved_pairs::<TIMES>(pixels.as_ptr(), slopes.as_ptr(), least, out, pairs) };
         }
-        // SAFETY: all have so many; the disparities are 16 bits each, of any value, and aligned.
-        unsafe { super::write_moved_pairs::<DOWN>(pixels.as_ptr(), slopes.as_ptr(), least, out, pairs) };
-        pairs
     }
     #[cfg(not(haarline_dsp))]
-    {
-        let _ = (pixels, slopes, least, out);
-        0
+    for ((pixels, slopes), out) in pixels.iter().zip(slopes).zip(out) {
+        for ((pixels, &slope), out) in pixels.iter().zip(slopes).zip(out) {
+            let down = splat_half((TIMES * i32::from(slope)).cast_unsigned() & 0xffff);
+            let [a, b] = pixels.map(|pair| signed_max_halves(add_halves(pair, down), least));
+            *out = [a, a >> 16, b, b >> 16].map(|bits| Disparity::from_bits(bits as u16 as i16));
+        }
     }
 }
 

@@ -83,17 +83,6 @@ pub(crate) fn select_ge_halves(a: u32, b: u32, x: u32, y: u32) -> u32 {
     result
 }
 
-/// The greater of signed halves.
-#[inline(always)]
-pub(crate) fn signed_max_halves(a: u32, b: u32) -> u32 {
-    let result;
-    // SAFETY: works on registers only.
-    unsafe {
-        asm!("ssub16 {r}, {a}, {b}", "sel {r}, {a}, {b}", r = out(reg) result, a = in(reg) a, b = in(reg) b, options(pure, nomem, nostack))
-    };
-    result
-}
-
 /// The lesser of unsigned lanes.
 #[inline(always)]
 pub(crate) fn min(a: u32, b: u32) -> u32 {

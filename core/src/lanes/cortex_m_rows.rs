@@ -3,8 +3,9 @@
 
 use core::arch::asm;
 
-use super::answer_rows::{PixelPair, PlanePairs};
+use super::answer_rows::{PixelPair, PlanePairs, down_bits};
 use super::evidence_rows::{CellSums, CellWindows};
+use super::splat_half;
 use super::trials::Trial;
 
 /// Instructions that limit the gradient in `t` twice, add up and leave the sum in `t`, or that limit it once.
@@ -665,12 +666,13 @@ pub(crate) unsafe fn part_sevens(raw: *const u32, first: *mut u32, second: *mut 
 
 /// Two cells' pixels in a row, moved by their slopes up or down.
 macro_rules! moved_row {
-    ($move:literal, $pixels:ident, $slopes:ident, $out:ident, $end:ident, $least:ident) => {
+    ($move:literal, $times:literal, $pixels:ident, $slopes:ident, $out:ident, $end:ident, $least:ident) => {
         asm!(
             "2:",
             "ldr {s}, [{slopes}], #4",
             "ldrd {a}, {b}, [{pixels}], #8",
             "ldrd {c}, {d}, [{pixels}], #8",
+            $times,
             "pkhbt {t}, {s}, {s}, lsl #16",
             "pkhtb {s}, {s}, {s}, asr #16",
             concat!($move, " {a}, {a}, {t}"),
@@ -702,7 +704,7 @@ macro_rules! moved_row {
 /// # Safety
 /// All must have so many, `pixels` and `out` must be aligned to words, and `pairs` must not be 0.
 #[inline(always)]
-pub(crate) unsafe fn write_moved_pairs<const DOWN: bool>(
+pub(crate) unsafe fn write_moved_pairs<const TIMES: i32>(
     pixels: *const PixelPair,
     slopes: *const [i16; 2],
     least: u32,
@@ -712,10 +714,11 @@ pub(crate) unsafe fn write_moved_pairs<const DOWN: bool>(
     // SAFETY: as the caller promises.
     unsafe {
         let end = pixels.add(pairs);
-        if DOWN {
-            moved_row!("uadd16", pixels, slopes, out, end, least);
-        } else {
-            moved_row!("usub16", pixels, slopes, out, end, least);
+        match TIMES {
+            3 => moved_row!("uadd16", "uadd16 {t}, {s}, {s}\n uadd16 {s}, {s}, {t}", pixels, slopes, out, end, least),
+            1 => moved_row!("uadd16", "", pixels, slopes, out, end, least),
+            -1 => moved_row!("usub16", "", pixels, slopes, out, end, least),
+            _ => moved_row!("usub16", "uadd16 {t}, {s}, {s}\n uadd16 {s}, {s}, {t}", pixels, slopes, out, end, least),
         }
     }
 }
@@ -725,7 +728,7 @@ pub(crate) unsafe fn write_moved_pairs<const DOWN: bool>(
 /// # Safety
 /// All must have so many, and `pairs` must not be 0.
 #[inline(always)]
-pub(crate) unsafe fn lay_plane_pairs(
+pub(crate) unsafe fn lay_plane_pairs<const HEIGHT: u32>(
     planes: &PlanePairs<'_>,
     pixels: *mut PixelPair,
     downs: *mut [i16; 2],
@@ -774,9 +777,9 @@ pub(crate) unsafe fn lay_plane_pairs(
             // The slope down. Slopes are far from the ends of 16 bits.
             "ldr {same}, [sp, #12]",
             "eor {slopes}, {slopes}, #0x80008000",
-            "add {slopes}, {slopes}, #0x00200020",
-            "lsr {slopes}, {slopes}, #6",
-            "bic {slopes}, {slopes}, #0xfc00fc00",
+            "add {slopes}, {slopes}, #{half}",
+            "lsr {slopes}, {slopes}, #{bits}",
+            "bic {slopes}, {slopes}, #{over}",
             "usub16 {slopes}, {slopes}, {same}",
             "str {slopes}, [{downs}], #4",
             // Half a column and one and a half beside the middle.
@@ -819,6 +822,8 @@ pub(crate) unsafe fn lay_plane_pairs(
             slopes = inout(reg) slopes => _, end = inout(reg) here.add(pairs) => _, less = inout(reg) less => _,
             more = inout(reg) more => _, same = inout(reg) planes.same => _, raised = inout(reg) planes.raised => _,
             h = out(reg) _,
+            bits = const { down_bits(HEIGHT) }, half = const { splat_half(1 << (down_bits(HEIGHT) - 1)) },
+            over = const { splat_half(!(0xffff >> down_bits(HEIGHT)) & 0xffff) },
         );
     }
 }

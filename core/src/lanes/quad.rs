@@ -237,16 +237,6 @@ impl Quad {
         Self(unsafe { _mm_unpacklo_epi32(self.0, other.0) })
     }
 
-    /// The first word's lanes, each in all lanes of a word.
-    #[inline(always)]
-    pub(crate) fn lanes_spread(self) -> Self {
-        // SAFETY: the target has SSE2.
-        unsafe {
-            let twice = _mm_unpacklo_epi8(self.0, self.0);
-            Self(_mm_unpacklo_epi16(twice, twice))
-        }
-    }
-
     /// The lowest lane of each word in all of its lanes; the others must be 0.
     #[inline(always)]
     pub(crate) fn lowest_spread(self) -> Self {

@@ -138,10 +138,10 @@ impl<'a, const WORDS: usize> BlockRow<'a, WORDS> {
     ///
     /// - `seeds`: labels of a block's nearest contours; `above`: those of the cells above the row, a pair a block.
     #[inline(never)]
-    pub(crate) fn decide(&self, seeds: impl Fn(usize) -> [u32; 2], above: &[[u8; 2]], mut rows: [TileCells<'_>; 2]) {
+    pub(crate) fn decide(&self, seeds: impl Fn(usize) -> [u32; 2], above: &[[u8; 2]], cells: TileCells<'_>) {
         let mut trials = Trials::new();
         let mut left = NOBODY;
-        for block in 0..rows[0].label.len() {
+        for block in 0..cells.label.len() {
             let up = above.get(block).map_or(NOBODY, |pair| u32::from(pair[0]));
             let [a, b] = seeds(block);
             let cell = self.place(block).map_or(Cell::default(), |place| {
@@ -149,13 +149,11 @@ impl<'a, const WORDS: usize> BlockRow<'a, WORDS> {
                 rate(&trials, &found)
             });
             left = u32::from(cell.label);
-            for row in &mut rows {
-                row.value[block] = [cell.value; 2];
-                row.label[block] = [cell.label; 2];
-                row.merit[block] = [cell.merit; 2];
-            }
+            cells.value[block] = [cell.value; 2];
+            cells.label[block] = [cell.label; 2];
+            cells.merit[block] = [cell.merit; 2];
         }
-        self.choose_surfaces(above, rows);
+        self.choose_surfaces(above, cells);
     }
 
     /// Where the labels of a block begin; `None` if none lies in the right view.
@@ -171,17 +169,19 @@ impl<'a, const WORDS: usize> BlockRow<'a, WORDS> {
         })
     }
 
-    /// Sums of absolute differences of the four cells of a block.
+    /// Sums of absolute differences of the two cells of a block.
     #[inline(always)]
-    fn cells(&self, place: Place, label: u32) -> [u32; 4] {
-        tile_sad(self.left, 2 * place.block + 1, self.right, place.origin.wrapping_sub(label as usize))
+    fn cells(&self, place: Place, label: u32) -> [u32; 2] {
+        let [a, b, c, d] =
+            tile_sad(self.left, 2 * place.block + 1, self.right, place.origin.wrapping_sub(label as usize));
+        [a + c, b + d]
     }
 
     #[inline(never)]
     fn evaluate(&self, place: Place, label: u32) -> u32 {
         crate::count::evaluations(1);
-        let [a, b, c, d] = self.cells(place, label);
-        a + b + c + d
+        let [a, b] = self.cells(place, label);
+        a + b
     }
 
     /// The extremum of a block's cost, from the best of the `starts` on.
@@ -238,63 +238,43 @@ impl<'a, const WORDS: usize> BlockRow<'a, WORDS> {
 
     /// Where the surfaces of neighbouring blocks differ, their cells there take the one that fits clearly better.
     #[inline(never)]
-    fn choose_surfaces(&self, above: &[[u8; 2]], [mut upper, mut lower]: [TileCells<'_>; 2]) {
+    fn choose_surfaces(&self, above: &[[u8; 2]], mut cells: TileCells<'_>) {
         let mut before = None;
-        for block in 0..upper.label.len() {
-            let own = u32::from(lower.label[block][1]);
+        for block in 0..cells.label.len() {
+            let own = u32::from(cells.label[block][1]);
             if let Some(left) = before
                 && jumps(left, own)
             {
-                self.take(block - 1, left, own, [(1, &mut upper), (3, &mut lower)]);
-                self.take(block, own, left, [(0, &mut upper), (2, &mut lower)]);
+                self.take(block - 1, left, own, [1], &mut cells);
+                self.take(block, own, left, [0], &mut cells);
             }
             before = Some(own);
             if let Some(&[up, _]) = above.get(block)
                 && jumps(up.into(), own)
             {
-                let [upper_left, upper_right] = [0, 1];
-                self.take_upper(block, own, up.into(), [upper_left, upper_right], &mut upper);
+                self.take(block, own, up.into(), [0, 1], &mut cells);
             }
         }
     }
 
-    /// Gives the cells of a column of a block the label of another surface, where it fits clearly better.
-    fn take(&self, block: usize, own: u32, other: u32, cells: [(usize, &mut TileCells<'_>); 2]) {
-        let Some(sums) = self.compare(block, own, other) else { return };
-        for (cell, row) in cells {
-            if is_clear(sums, cell) {
-                put(row, block, cell % 2, other);
-            }
-        }
-    }
-
-    /// The same of the cells of the upper row.
-    fn take_upper(&self, block: usize, own: u32, other: u32, cells: [usize; 2], row: &mut TileCells<'_>) {
-        let Some(sums) = self.compare(block, own, other) else { return };
-        for cell in cells {
-            if u32::from(row.label[block][cell]) == own && is_clear(sums, cell) {
-                put(row, block, cell, other);
+    /// Gives the cells in some columns of a block that have its own label the one of another surface, where it fits clearly
+    /// better.
+    fn take<const N: usize>(&self, block: usize, own: u32, other: u32, columns: [usize; N], cells: &mut TileCells<'_>) {
+        let Some([of_own, of_other]) = self.compare(block, own, other) else { return };
+        for column in columns {
+            if u32::from(cells.label[block][column]) == own && 2 * of_other[column] < of_own[column] {
+                cells.label[block][column] = other as u8;
+                cells.value[block][column] = ((other << 8) + HALF) as u16;
             }
         }
     }
 
     /// The sums of a block's cells at two labels.
-    fn compare(&self, block: usize, own: u32, other: u32) -> Option<[[u32; 4]; 2]> {
+    fn compare(&self, block: usize, own: u32, other: u32) -> Option<[[u32; 2]; 2]> {
         let place = self.place(block)?;
         let range = place.lowest..=place.highest;
         (range.contains(&own) && range.contains(&other)).then(|| [self.cells(place, own), self.cells(place, other)])
     }
-}
-
-/// Whether the other surface fits a cell twice as well as its own.
-fn is_clear([own, other]: [[u32; 4]; 2], cell: usize) -> bool {
-    2 * other[cell] < own[cell]
-}
-
-/// Gives a cell a label; its merit stays that of the block.
-fn put(row: &mut TileCells<'_>, block: usize, column: usize, label: u32) {
-    row.label[block][column] = label as u8;
-    row.value[block][column] = ((label << 8) + HALF) as u16;
 }
 
 /// Whether the surfaces of two labels differ.
@@ -332,7 +312,7 @@ fn rate(trials: &Trials, found: &Minimum) -> Cell {
         }
         _ => 0,
     };
-    // A cell has a quarter of the block's pixels, and half of its sum is its cost.
+    // A cell has a half of the block's pixels, and a quarter of its sum is its cost.
     let margin = trials.least_beyond(label).map_or(MOST_MARGIN, |rival| ((rival - found.cost) / 8).min(MOST_MARGIN));
     let merit = limited_to_byte(128 + margin - 2 * (found.cost / 8));
     Cell { label: label as u8, value: ((label << 8) + HALF).wrapping_add_signed(fraction) as u16, merit: merit as u8 }

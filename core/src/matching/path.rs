@@ -41,17 +41,17 @@ impl<const WORDS: usize> Paths<WORDS> {
 
     /// Takes what the search found of a tile.
     #[inline(always)]
-    pub(crate) fn set(&mut self, tile: usize, found: &Tile) {
+    pub(crate) fn set(&mut self, tile: usize, found: &Tile<2>) {
         let Some(([first, second], settled)) = self.tile(tile) else { return };
         settled[0] = false;
         first.labels = found.labels;
-        let [a, b, c, d] = found.costs;
+        let [[a, b], [c, d]] = found.costs;
         (first.costs, second.costs) = ([a, c], [b, d]);
     }
 
     /// Takes a settled tile, whose path sums are known.
     #[inline(always)]
-    pub(crate) fn set_settled(&mut self, tile: usize, penalties: Penalties, found: &SettledTile) {
+    pub(crate) fn set_settled(&mut self, tile: usize, penalties: Penalties, found: &SettledTile<2>) {
         let Some(([first, second], settled)) = self.tile(tile) else { return };
         settled[0] = true;
         first.labels = found.labels();
@@ -146,6 +146,19 @@ impl<const WORDS: usize> Paths<WORDS> {
             self.decide_above(tiles, penalties, above_row);
         }
         self.decide(tiles, penalties, upper_row, lower_row);
+    }
+
+    /// Decides the lower cells of the last row of tiles: nothing is below them.
+    ///
+    /// - `row`: the lower cell row.
+    #[inline(never)]
+    pub(crate) fn end(&mut self, tiles: usize, penalties: Penalties, row: &mut CellRow<WORDS>) {
+        for (pair, settled) in self.tiles(tiles) {
+            settled[0] = false;
+            pair[0].labels = pair[1].labels;
+            pair.iter_mut().for_each(|column| column.along[0] = 0);
+        }
+        self.decide_above(tiles, penalties, row);
     }
 
     /// Decides the cells above, now that those below them have their say.

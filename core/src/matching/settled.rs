@@ -12,27 +12,25 @@ use crate::answer::cell_row::TileCells;
 use crate::lanes::{quotient, saturated_halves, select_ge_halves, splat_half, sub_halves, sub_saturating_halves};
 use crate::matching::agreement::Penalties;
 
-/// A tile of three labels.
+/// A tile of three labels, of so many rows of cells.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct SettledTile {
+pub(crate) struct SettledTile<const ROWS: usize> {
     /// The middle one.
     pub(crate) label: u32,
-    /// What the label before it, itself and the one after it cost the cells, at most 255: two in a word, the upper and the
-    /// lower ones.
-    pub(crate) costs: [[u32; 2]; 3],
+    /// What the label before it, itself and the one after it cost the cells, at most 255: two in a word, row by row.
+    pub(crate) costs: [[u32; ROWS]; 3],
 }
 
-impl SettledTile {
-    /// Decides the cells, the upper and the lower ones; the labels of the right ones.
+impl<const ROWS: usize> SettledTile<ROWS> {
+    /// Decides the cells, row by row; the labels of the right ones.
     #[inline(always)]
-    pub(crate) fn decide(&self, penalties: Penalties, tile: usize, rows: &mut [TileCells<'_>; 2]) -> [u32; 2] {
-        let [upper, lower] = rows;
-        [self.decide_row::<0>(penalties, tile, upper), self.decide_row::<1>(penalties, tile, lower)]
+    pub(crate) fn decide(&self, penalties: Penalties, tile: usize, rows: &mut [TileCells<'_>; ROWS]) -> [u32; ROWS] {
+        core::array::from_fn(|y| self.decide_row(penalties, tile, y, &mut rows[y]))
     }
 
     #[inline(always)]
-    fn decide_row<const Y: usize>(&self, penalties: Penalties, tile: usize, row: &mut TileCells<'_>) -> u32 {
-        let [value, label, merit] = self.decide_two(penalties.slope(), self.costs.map(|costs| costs[Y]));
+    fn decide_row(&self, penalties: Penalties, tile: usize, y: usize, row: &mut TileCells<'_>) -> u32 {
+        let [value, label, merit] = self.decide_two(penalties.slope(), self.costs.map(|costs| costs[y]));
         row.value[tile] = [value as u16, (value >> 16) as u16];
         row.label[tile] = [label as u8, (label >> 8) as u8];
         row.merit[tile] = [merit as u8, (merit >> 16) as u8];
@@ -87,13 +85,13 @@ impl SettledTile {
 
     /// What the cells tell the next ones in any direction, in the place of path sums.
     #[inline(always)]
-    pub(crate) fn told(&self, penalties: Penalties) -> [[u32; 2]; 2] {
-        [self.told_by::<0>(penalties), self.told_by::<1>(penalties)]
+    pub(crate) fn told(&self, penalties: Penalties) -> [[u32; 2]; ROWS] {
+        core::array::from_fn(|y| self.told_by(penalties, y))
     }
 
     #[inline(always)]
-    fn told_by<const Y: usize>(&self, penalties: Penalties) -> [u32; 2] {
-        let [before, here, after] = self.costs.map(|costs| costs[Y]);
+    fn told_by(&self, penalties: Penalties, y: usize) -> [u32; 2] {
+        let [before, here, after] = self.costs.map(|costs| costs[y]);
         let slope = splat_half(penalties.slope());
         let more = |beside: u32| saturated_halves(sub_saturating_halves(beside + slope, here));
         let (before, after) = (more(before), more(after));
@@ -112,7 +110,7 @@ impl SettledTile {
 mod tests {
     use super::*;
 
-    fn tile(seed: &mut u32) -> SettledTile {
+    fn tile(seed: &mut u32) -> SettledTile<2> {
         let mut next = || {
             *seed = seed.wrapping_mul(0x9e37_79b1).wrapping_add(0x7f4a_7c15);
             (*seed ^ *seed >> 15).wrapping_mul(0x85eb_ca6b) >> 3

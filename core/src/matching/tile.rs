@@ -16,9 +16,9 @@ use crate::lanes::{saturated_halves, splat_half};
 use crate::matching::settled::SettledTile;
 
 /// By how much the sum of a tile must be less than those a step beside it.
-const CLEAR: u32 = 8;
+const CLEAR: u32 = 4;
 /// A label whose sum is so much more than the least is not kept beside it.
-const DEAR: u32 = 480;
+const DEAR: u32 = 240;
 /// What stands for no seed among the hypotheses.
 const NO_SEED: u32 = u16::MAX as u32;
 
@@ -36,10 +36,10 @@ pub(crate) struct TileSettings<C> {
 
 /// What a label costs a cell, at most 255.
 pub trait CellCost: Copy {
-    /// What a label costs the cells: two in a word, the upper and the lower ones.
+    /// What a label costs two cells side by side, in halves.
     ///
-    /// - `cells`: their sums; `tile`: the sum of the tile.
-    fn of(self, cells: [u32; 2], tile: u32) -> [u32; 2];
+    /// - `cells`: their sums, in halves; `tile`: the sum of the tile.
+    fn of(self, cells: u32, tile: u32) -> u32;
 }
 
 /// The cell's own sum, divided by 2 to this power.
@@ -48,7 +48,8 @@ pub struct OwnCost {
     pub(crate) shift: u32,
 }
 
-/// `(cell * its own sum + tile * the tile's sum) / 64`. Both products fit 16 bits, as sums of limited features are below 500.
+/// `(cell * its own sum + tile * the tile's sum) / 64`. The sum fits 16 bits, as those of limited features over a tile are below
+/// 2000.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct SharedCost {
     pub(crate) cell: u32,
@@ -57,28 +58,27 @@ pub struct SharedCost {
 
 impl CellCost for OwnCost {
     #[inline(always)]
-    fn of(self, cells: [u32; 2], _: u32) -> [u32; 2] {
-        let keep = splat_half(0xffff >> self.shift);
-        cells.map(|cells| saturated_halves(cells >> self.shift & keep))
+    fn of(self, cells: u32, _: u32) -> u32 {
+        saturated_halves(cells >> self.shift & splat_half(0xffff >> self.shift))
     }
 }
 
 impl CellCost for SharedCost {
     #[inline(always)]
-    fn of(self, cells: [u32; 2], tile: u32) -> [u32; 2] {
+    fn of(self, cells: u32, tile: u32) -> u32 {
         let shared = splat_half(self.tile).wrapping_mul(tile);
-        cells.map(|cells| saturated_halves(self.cell.wrapping_mul(cells).wrapping_add(shared) >> 6 & 0x03ff_03ff))
+        saturated_halves(self.cell.wrapping_mul(cells).wrapping_add(shared) >> 6 & 0x03ff_03ff)
     }
 }
 
-/// What the search found of a tile.
+/// What the search found of a tile of so many rows of cells.
 #[derive(Debug, Clone, Copy)]
-pub(crate) enum Found {
-    Settled(SettledTile),
-    Open(Tile),
+pub(crate) enum Found<const ROWS: usize> {
+    Settled(SettledTile<ROWS>),
+    Open(Tile<ROWS>),
 }
 
-impl Found {
+impl<const ROWS: usize> Found<ROWS> {
     /// The label of the least cost of the tile.
     #[inline(always)]
     pub(crate) const fn best(&self) -> u32 {
@@ -90,12 +90,12 @@ impl Found {
 }
 
 /// The four labels of a tile, ascending, and what each costs each of its cells.
-#[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Tile {
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Tile<const ROWS: usize> {
     /// A label a lane. Where there are fewer than four, the last is repeated at a cost of 255.
     pub(crate) labels: u32,
-    /// Costs of the cells: upper left, upper right, lower left, lower right.
-    pub(crate) costs: [u32; 4],
+    /// Costs of the cells, left and right, row by row.
+    pub(crate) costs: [[u32; 2]; ROWS],
     /// The label of the least cost of the tile.
     pub(crate) best: u32,
 }
@@ -135,14 +135,14 @@ impl<'a, C: CellCost, const WORDS: usize> TileRow<'a, C, WORDS> {
     /// - `hypotheses`: labels to try; those outside the search or the right view are passed over.
     /// - `left`, `above`: what the neighbours decided; more than 255 where there is none.
     #[inline(always)]
-    pub(crate) fn search(
+    pub(crate) fn search<const ROWS: usize>(
         &self,
         trials: &mut Trials<WORDS>,
         tile: usize,
         hypotheses: [u32; 6],
         left: u32,
         above: u32,
-    ) -> Found {
+    ) -> Found<ROWS> {
         // Label 0 would begin at this byte of the right row; the window may lie in the margins, not beyond.
         let origin = 8 * tile as i32 + 4 - self.min_disparity;
         let lowest = (origin - self.columns).max(0).cast_unsigned();
@@ -164,7 +164,7 @@ impl<'a, C: CellCost, const WORDS: usize> TileRow<'a, C, WORDS> {
 
     /// Tries all hypotheses of a tile: the best label, if those one step beside it are known, too; else what is kept.
     #[inline(always)]
-    fn try_all(
+    fn try_all<const ROWS: usize>(
         &self,
         trials: &mut Trials<WORDS>,
         tile: usize,
@@ -172,7 +172,7 @@ impl<'a, C: CellCost, const WORDS: usize> TileRow<'a, C, WORDS> {
         [lowest, highest]: [u32; 2],
         hypotheses: [u32; 6],
         [left, above]: [u32; 2],
-    ) -> Result<Three, Tile> {
+    ) -> Result<Three, Tile<ROWS>> {
         trials.start(tile, origin, lowest, highest);
         for label in hypotheses {
             trials.add(label);
@@ -292,7 +292,13 @@ impl<C: CellCost, const WORDS: usize> Search<'_, C, WORDS> {
 
     /// One more step from the trial before or after `start`, where that is better.
     #[inline(never)]
-    fn step_downhill(&mut self, start: u32, [before, _]: [u32; 2], lowest: u32, highest: u32) -> Tile {
+    fn step_downhill<const ROWS: usize>(
+        &mut self,
+        start: u32,
+        [before, _]: [u32; 2],
+        lowest: u32,
+        highest: u32,
+    ) -> Tile<ROWS> {
         let second = self.best;
         let is_down = second == before;
         let beyond = if is_down { Trial::label_of(second).wrapping_sub(1) } else { Trial::label_of(second) + 1 };
@@ -312,7 +318,7 @@ impl<C: CellCost, const WORDS: usize> Search<'_, C, WORDS> {
     /// The extremum step, if it is taken at all, from a label at an end of the range.
     #[cold]
     #[inline(never)]
-    fn search_at_end(&mut self, lowest: u32, highest: u32) -> Tile {
+    fn search_at_end<const ROWS: usize>(&mut self, lowest: u32, highest: u32) -> Tile<ROWS> {
         if !self.row.settings.extremum {
             return self.keep_few(self.best, [None; 2]);
         }
@@ -355,7 +361,7 @@ impl<C: CellCost, const WORDS: usize> Search<'_, C, WORDS> {
     /// The same where not both may be known.
     #[cold]
     #[inline(never)]
-    fn keep_few(&self, best: u32, [before, after]: [Option<u32>; 2]) -> Tile {
+    fn keep_few<const ROWS: usize>(&self, best: u32, [before, after]: [Option<u32>; 2]) -> Tile<ROWS> {
         let other = self.cheapest_beside(best);
         let is_below = Trial::label_of(other) < Trial::label_of(best);
         let (below, above) =
@@ -372,21 +378,40 @@ impl<C: CellCost, const WORDS: usize> Search<'_, C, WORDS> {
             labels |= Trial::label_of(keys[last % 4]) << (8 * i);
             beyond |= if i == last { 0 } else { 0xff << (8 * i) };
         }
-        let costs = keys.map(|key| self.row.settings.cost.of(self.trials.of(key).cells, Trial::sum_of(key)));
-        Tile { labels, costs: by_cell(costs).map(|costs| costs | beyond), best: Trial::label_of(best) }
+        let costs = keys.map(|key| self.row.settings.costs(self.trials.of(key).cells, Trial::sum_of(key)));
+        Tile { labels, costs: by_cell(costs).map(|row| row.map(|costs| costs | beyond)), best: Trial::label_of(best) }
     }
 }
 
-impl Tile {
+impl<const ROWS: usize> Tile<ROWS> {
     /// A tile that no label suits.
-    const NOWHERE: Self = Self { labels: 0, costs: [u32::MAX; 4], best: 0 };
+    const NOWHERE: Self = Self { labels: 0, costs: [[u32::MAX; 2]; ROWS], best: 0 };
 }
 
 impl<C: CellCost> TileSettings<C> {
+    /// What a label costs the cells of a tile, row by row, two in a word.
+    ///
+    /// - `cells`: the sums of the upper and the lower two rows of pixels; `tile`: of all four.
+    #[inline(always)]
+    fn costs<const ROWS: usize>(&self, [upper, lower]: [u32; 2], tile: u32) -> [u32; ROWS] {
+        core::array::from_fn(|row| {
+            let cells = match (ROWS, row) {
+                (1, _) => upper + lower,
+                (_, 0) => upper,
+                _ => lower,
+            };
+            self.cost.of(cells, tile)
+        })
+    }
+
     /// Keeps the best, those one step beside it, and the cheapest of the others if it comes near.
     #[inline(always)]
-    fn keep<const WORDS: usize>(&self, trials: &Trials<WORDS>, &Three { label, cells, sums, other }: &Three) -> Found {
-        let [a, b, c] = [0, 1, 2].map(|i| self.cost.of(cells[i], sums[i]));
+    fn keep<const ROWS: usize, const WORDS: usize>(
+        &self,
+        trials: &Trials<WORDS>,
+        &Three { label, cells, sums, other }: &Three,
+    ) -> Found<ROWS> {
+        let [a, b, c] = [0, 1, 2].map(|i| self.costs(cells[i], sums[i]));
         let three = label * 0x0001_0101 + 0x0001_0000 - 1;
         let [before, here, after] = sums;
         let (labels, costs) = if Trial::sum_of(other) >= here + DEAR {
@@ -394,9 +419,9 @@ impl<C: CellCost> TileSettings<C> {
                 return Found::Settled(SettledTile { label, costs: [a, b, c] });
             }
             // The last label again, at a cost that nobody takes.
-            (three | (label + 1) << 24, [a, b, c, [0x00ff_00ff; 2]])
+            (three | (label + 1) << 24, [a, b, c, [0x00ff_00ff; ROWS]])
         } else {
-            let fourth = self.cost.of(trials.of(other).cells, Trial::sum_of(other));
+            let fourth = self.costs(trials.of(other).cells, Trial::sum_of(other));
             if Trial::label_of(other) < label {
                 (Trial::label_of(other) | three << 8, [fourth, a, b, c])
             } else {
@@ -420,13 +445,11 @@ struct Three {
 
 /// What each of four labels costs two cells in a row, a label a lane, in the order of the cells.
 #[inline(always)]
-fn by_cell([a, b, c, d]: [[u32; 2]; 4]) -> [u32; 4] {
-    let row = |row: usize| {
+fn by_cell<const ROWS: usize>([a, b, c, d]: [[u32; ROWS]; 4]) -> [[u32; 2]; ROWS] {
+    core::array::from_fn(|row| {
         let (first, second) = (a[row] | b[row] << 8, c[row] | d[row] << 8);
         [first & 0xffff | second << 16, first >> 16 | second & 0xffff_0000]
-    };
-    let ([a, b], [c, d]) = (row(0), row(1));
-    [a, b, c, d]
+    })
 }
 
 impl<C> TileSettings<C> {

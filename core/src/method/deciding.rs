@@ -16,6 +16,8 @@ use crate::matching::tile::{CellCost, OwnCost, SharedCost};
 pub trait Matching: Sealed {
     /// Whether neighbouring cells agree on their labels; else each decides alone.
     const AGREEMENT: bool;
+    /// Rows of cells of a row of tiles, 1 or 2: cells are as high as a tile, or half as high.
+    const ROWS: u32;
     /// Whether an extremum search decides whole blocks, and their cells follow.
     const SEARCH: bool = false;
     /// What a label costs a cell.
@@ -45,6 +47,7 @@ pub enum Searching {}
 
 impl Matching for Searching {
     const AGREEMENT: bool = false;
+    const ROWS: u32 = 1;
     const SEARCH: bool = true;
     type Cost = SharedCost;
     type Paths<const WORDS: usize> = ();
@@ -58,6 +61,7 @@ impl Matching for Searching {
 
 impl Matching for Agreeing {
     const AGREEMENT: bool = true;
+    const ROWS: u32 = 2;
     type Cost = OwnCost;
     type Paths<const WORDS: usize> = Paths<WORDS>;
     type Features<const WORDS: usize> = [[[u32; WORDS]; 4]; 3];
@@ -74,17 +78,18 @@ impl Matching for Agreeing {
 
 impl Matching for Lonely {
     const AGREEMENT: bool = false;
+    const ROWS: u32 = 1;
     type Cost = SharedCost;
     type Paths<const WORDS: usize> = ();
     // A row of tiles is answered before its lower half is overwritten.
     type Features<const WORDS: usize> = [[[u32; WORDS]; 4]; 2];
-    type Cells<const WORDS: usize> = [CellRow<WORDS>; 4];
+    type Cells<const WORDS: usize> = [CellRow<WORDS>; 3];
 
     fn costs(is_noisy: bool) -> (SharedCost, Penalties) {
         if is_noisy {
-            (SharedCost { cell: 42, tile: 7 }, Penalties::new(2, 16))
+            (SharedCost { cell: 21, tile: 7 }, Penalties::new(2, 16))
         } else {
-            (SharedCost { cell: 22, tile: 3 }, Penalties::new(1, 3))
+            (SharedCost { cell: 11, tile: 3 }, Penalties::new(1, 3))
         }
     }
 }

@@ -7,6 +7,7 @@
 )]
 
 use crate::answer::answer_row::{AnswerRow, Sources};
+use crate::answer::cell_row::CellRow;
 use crate::answer::evidence::{Evidence, Floor, Worth};
 use crate::answer::repetition::Repetition;
 use crate::front_end::camera_view::{CameraView, FeatureRows, TILE_ROWS, words_for};
@@ -14,11 +15,9 @@ use crate::front_end::exposure::{Exposure, Gain};
 use crate::front_end::noise::{Noise, NoiseHistogram, RawNoise, SmoothingLevel};
 use crate::lanes::answer_rows::WordAligned;
 use crate::lanes::rows::Clips;
-use crate::lanes::trials::Trials;
 use crate::matching::agreement::Penalties;
-use crate::matching::alone::Alone;
 use crate::matching::block_search::{BlockRow, BlockSettings};
-use crate::matching::tile::{Found, TileRow, TileSettings};
+use crate::matching::tile::{TileRow, TileSettings};
 use crate::matching::tile_seed::TileSeeds;
 use crate::method::capacity::check_capacity;
 use crate::method::deciding::{CellRows, Matching, MaybePaths};
@@ -30,10 +29,6 @@ use crate::{Config, ConfigError, Disparity, DisparityRow, Reading, RowError, Sca
 
 /// Rows of the camera by which the newest smoothed row lags behind: half of the widest filter.
 const SMOOTH_LAG: u32 = 2;
-/// No label: nothing comes near it.
-const NOBODY: u32 = u32::MAX / 2;
-/// Rows of a cell.
-const CELL_HEIGHT: u32 = 2;
 
 /// What depends on the noise.
 #[derive(Clone, Copy)]
@@ -101,7 +96,9 @@ impl<M: Matching, const BLOCKS: usize> Tiled<M, BLOCKS> {
 
 impl<M: Matching, const BLOCKS: usize, C> Tiled<M, BLOCKS, C> {
     /// Rows that come in after a row before it goes out, at most: what is agreed with the row of cells below waits for it.
-    pub const LATENCY: u32 = if M::AGREEMENT { 13 } else { 10 };
+    pub const LATENCY: u32 = if M::AGREEMENT { 13 } else { 12 };
+    /// Rows of a cell.
+    const CELL_HEIGHT: u32 = TILE_ROWS / M::ROWS;
 }
 
 impl<M: Matching, const BLOCKS: usize, C: StageClock> Tiled<M, BLOCKS, C> {
@@ -198,12 +195,7 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> Tiled<M, BLOCKS, C> {
             let tile_row = (done / TILE_ROWS).wrapping_sub(1);
             let is_searched = done > TILE_ROWS;
             match done % TILE_ROWS {
-                0 => {
-                    if !M::AGREEMENT && tile_row > 0 {
-                        self.answer(tile_row - 1);
-                    }
-                    self.pair_contours(tile_row);
-                }
+                0 => self.pair_contours(tile_row),
                 1 if is_searched => {
                     if M::AGREEMENT && tile_row > 0 {
                         self.answer(tile_row - 1);
@@ -220,7 +212,10 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> Tiled<M, BLOCKS, C> {
                         self.smooth(tile_row);
                         self.answer(tile_row);
                     }
-                    self.find_contours(done / TILE_ROWS, settings);
+                    let next = done / TILE_ROWS;
+                    if TILE_ROWS * next < self.rows {
+                        self.find_contours(next, settings);
+                    }
                 }
                 _ => {}
             }
@@ -261,63 +256,41 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> Tiled<M, BLOCKS, C> {
         }
     }
 
-    /// Labels of the tiles, and the paths from the left; without agreement the cells, too.
+    /// Searches the tiles, and decides the cells or begins their paths.
     #[inline(never)]
     fn search(&mut self, tile_row: u32, settings: Settings<M::Cost>) {
         self.clock.enter(Stage::Blocks);
         let tiles = self.tiles();
         let row = TileRow::new(&self.config, self.left.tiles(tile_row), self.right.tiles(tile_row), settings.tile);
         let Parts { agreement, extremum, .. } = self.parts();
-        let mut paths = self.paths.paths().filter(|_| agreement);
-        let slots = cell_slots::<BLOCKS, M::Cells<BLOCKS>>(tile_row);
-        let Ok([above, upper, lower]) = self.cells.rows().get_disjoint_mut(slots) else { return };
+        let seeds = |tile: usize| self.seeds.nearest(tile).map(u32::from);
+        let penalties = settings.penalties;
         // The cells above, a pair a tile.
-        let above = match tile_row {
-            0 => &[],
-            _ => above.label[..2 * tiles].as_chunks::<2>().0,
+        let pairs = |above: &'_ CellRow<BLOCKS>| match tile_row {
+            0 => 0,
+            _ => tiles.min(above.label.len() / 2),
         };
-        if M::SEARCH {
-            let settings = BlockSettings::of(self.noise.level, extremum);
-            let row = BlockRow::new(&self.config, row.left, row.right, settings);
-            let seeds = |tile: usize| self.seeds.nearest(tile).map(u32::from);
-            row.decide(seeds, above, [upper.tiles(tiles), lower.tiles(tiles)]);
+        if M::ROWS == 1 {
+            let Ok([above, cells]) = self.cells.rows().get_disjoint_mut(cell_slots::<2, BLOCKS, M>(tile_row)) else {
+                return;
+            };
+            let above = &above.label.as_chunks::<2>().0[..pairs(above)];
+            let cells = cells.tiles(tiles);
+            if M::SEARCH {
+                let settings = BlockSettings::of(self.noise.level, extremum);
+                BlockRow::new(&self.config, row.left, row.right, settings).decide(seeds, above, cells);
+            } else {
+                row.decide_alone(penalties, seeds, above, [cells]);
+            }
             return;
         }
-        let pair = |tile: usize| above.get(tile).map_or([NOBODY; 2], |pair| pair.map(u32::from));
-        let mut rows = [upper.tiles(tiles), lower.tiles(tiles)];
-        let mut here = pair(0);
-        let mut left = NOBODY;
-        let mut trials = Trials::new();
-        let mut alone = Alone::new();
-        for tile in 0..tiles {
-            let next = pair(tile + 1);
-            let ([a, b], after) = (here, next[0]);
-            let seeds = self.seeds.nearest(tile).map(u32::from);
-            let hypotheses = [a, b, after, left, seeds[0], seeds[1]];
-            let found = row.search(&mut trials, tile, hypotheses, left, a);
-            left = found.best();
-            match (found, paths.as_deref_mut()) {
-                (Found::Settled(settled), paths) => {
-                    if let Some(paths) = paths {
-                        paths.set_settled(tile, settings.penalties, &settled);
-                    }
-                    alone.pass(settled.decide(settings.penalties, tile, &mut rows));
-                }
-                // Its cells wait for the agreement.
-                (Found::Open(found), Some(paths)) => paths.set(tile, &found),
-                (Found::Open(found), None) => {
-                    let cells = alone.decide(settings.penalties, &found, [a, b]);
-                    for (row, [first, second]) in rows.iter_mut().zip(cells) {
-                        row.value[tile] = [first.value, second.value];
-                        row.label[tile] = [first.label, second.label];
-                        row.merit[tile] = [first.merit, second.merit];
-                    }
-                }
-            }
-            here = next;
-        }
-        if let Some(paths) = paths {
-            paths.pass_rightwards(tiles, settings.penalties);
+        let slots = cell_slots::<3, BLOCKS, M>(tile_row);
+        let Ok([above, upper, lower]) = self.cells.rows().get_disjoint_mut(slots) else { return };
+        let above = &above.label.as_chunks::<2>().0[..pairs(above)];
+        let rows = [upper.tiles(tiles), lower.tiles(tiles)];
+        match self.paths.paths().filter(|_| agreement) {
+            Some(paths) => row.begin_paths(penalties, seeds, above, rows, paths),
+            None => row.decide_alone(penalties, seeds, above, rows),
         }
     }
 
@@ -327,7 +300,7 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> Tiled<M, BLOCKS, C> {
         let agreement = self.parts().agreement;
         if let Some(paths) = self.paths.paths().filter(|_| agreement) {
             self.clock.enter(Stage::Agreement);
-            let slots = cell_slots::<BLOCKS, M::Cells<BLOCKS>>(tile_row);
+            let slots = cell_slots::<3, BLOCKS, M>(tile_row);
             let Ok(rows) = self.cells.rows().get_disjoint_mut(slots) else { return };
             paths.agree(tiles, settings.penalties, tile_row == 0, rows);
         }
@@ -338,7 +311,7 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> Tiled<M, BLOCKS, C> {
     fn smooth(&mut self, tile_row: u32) {
         let cells = usize::from(self.config.width).div_ceil(4);
         let last = self.last_final(tile_row);
-        for row in last.saturating_sub(1)..=last {
+        for row in (last + 1).saturating_sub(M::ROWS)..=last {
             let slot = row % M::Cells::<BLOCKS>::LEN;
             if let Some(row) = self.cells.rows().get_mut(slot as usize) {
                 row.smooth(cells);
@@ -346,34 +319,54 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> Tiled<M, BLOCKS, C> {
         }
     }
 
+    /// Below the last row of tiles there is nothing: decides the cells that waited for it, and repeats them.
+    #[inline(never)]
+    fn end_cells(&mut self) {
+        let (tiles, cells) = (self.tiles(), usize::from(self.config.width).div_ceil(4));
+        let penalties = self.settings().penalties;
+        let agreement = self.parts().agreement;
+        let slots = cell_slots::<2, BLOCKS, M>(self.tile_rows());
+        let Ok([last, below]) = self.cells.rows().get_disjoint_mut(slots) else { return };
+        if let Some(paths) = self.paths.paths().filter(|_| agreement) {
+            self.clock.enter(Stage::Agreement);
+            paths.end(tiles, penalties, last);
+            last.smooth(cells);
+        }
+        below.clone_from(last);
+    }
+
+    /// Rows of tiles of the rows so far.
+    const fn tile_rows(&self) -> u32 {
+        self.rows.div_ceil(TILE_ROWS)
+    }
+
     /// The last cell row that is final once this row of tiles is decided.
     fn last_final(&self, tile_row: u32) -> u32 {
         // The row below has its say in the agreement.
-        2 * tile_row + u32::from(!(M::AGREEMENT && self.parts().agreement))
+        let is_pending = M::AGREEMENT && self.parts().agreement;
+        M::ROWS * (tile_row + 1) - 1 - u32::from(is_pending)
     }
 
     /// Answers the next cell row, if the row below it is final.
     fn answer(&mut self, tile_row: u32) {
         let row = self.answered;
-        // Two cell rows share the evidence around one of them: around the upper one of a row of tiles, or the lower one, if that
-        // is final as soon.
-        let lower = u32::from(!M::AGREEMENT);
-        let number = ((row + lower) / 2).saturating_sub(lower);
-        let last = if row < lower { 0 } else { number + 1 };
-        if (2 * last + lower).max(row + 1) > self.last_final(tile_row) {
+        // The cell rows of a row of tiles share the evidence around the first of them.
+        let number = row / M::ROWS;
+        let last = number + 1;
+        if (M::ROWS * last).max(row + 1) > self.last_final(tile_row) {
             return;
         }
         self.clock.enter(Stage::Consistency);
         let floor = Floor::of(self.noise, self.settings().clips.zero(), M::AGREEMENT);
         let cells = usize::from(self.config.width).div_ceil(4);
         let is_judged = self.evidence.len() > last;
-        while self.evidence.len() <= last {
-            self.measure_evidence(2 * self.evidence.len() + lower, floor);
+        while self.evidence.len() <= last.min(self.tile_rows() - 1) {
+            self.measure_evidence(self.evidence.len(), floor);
         }
         if !is_judged && self.parts().texture {
             self.evidence.judge(number, cells, floor, &mut self.worth);
         }
-        let [left, right] = features_of([&self.left, &self.right], row);
+        let [left, right] = features_of::<M, _, _>([&self.left, &self.right], row);
         let sources = Sources {
             rows: [row.saturating_sub(1), row, row + 1].map(|row| self.cells.row(row)),
             left,
@@ -381,19 +374,24 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> Tiled<M, BLOCKS, C> {
             worth: &self.worth,
             sure: floor.sure,
         };
-        self.answer.answer(&self.config, &sources);
-        if FrameSums::is_sampled(row / 2) {
+        if M::ROWS == 1 {
+            self.answer.answer::<4>(&self.config, &sources);
+        } else {
+            self.answer.answer::<2>(&self.config, &sources);
+        }
+        if FrameSums::is_sampled(row / M::ROWS) {
             self.sums.count_sure(&self.answer.confidence.0[..cells]);
         }
         self.answered += 1;
     }
 
-    /// Measures the evidence of a cell row that is final.
-    fn measure_evidence(&mut self, row: u32, floor: Floor) {
-        let rows = features_of([&self.left, &self.right], row);
+    /// Measures the evidence of the first cell row of a row of tiles, which is final.
+    fn measure_evidence(&mut self, tile_row: u32, floor: Floor) {
+        let row = M::ROWS * tile_row;
+        let rows = features_of::<M, _, _>([&self.left, &self.right], row);
         let labels = &self.cells.row(row).label[..usize::from(self.config.width).div_ceil(4)];
         self.evidence.measure(&self.config, rows, labels, floor, &self.repetition);
-        if FrameSums::is_sampled(row / 2) {
+        if FrameSums::is_sampled(tile_row) {
             self.sums.add(self.evidence.newest(labels.len()), floor);
         }
     }
@@ -401,7 +399,7 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> Tiled<M, BLOCKS, C> {
     /// Delivers the next row, if it is answered.
     fn deliver(&mut self, sink: &mut dyn FnMut(DisparityRow<'_>)) {
         let y = self.delivered;
-        if y >= self.rows || y / CELL_HEIGHT >= self.answered {
+        if y >= self.rows || y / Self::CELL_HEIGHT >= self.answered {
             return;
         }
         self.clock.enter(Stage::Consistency);
@@ -414,7 +412,14 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> Tiled<M, BLOCKS, C> {
             sink(DisparityRow { y, disparity, confidence });
             return;
         }
-        self.answer.write(y % CELL_HEIGHT == 1, &self.config, &mut self.disparity.0);
+        let (config, out) = (&self.config, &mut self.disparity.0);
+        // Twice the distance from the middle of the cells, rows.
+        match (2 * (y % Self::CELL_HEIGHT) + 1).wrapping_sub(Self::CELL_HEIGHT).cast_signed() {
+            -3 if M::ROWS == 1 => self.answer.write::<-3>(config, out),
+            3 if M::ROWS == 1 => self.answer.write::<3>(config, out),
+            ..0 => self.answer.write::<-1>(config, out),
+            _ => self.answer.write::<1>(config, out),
+        }
         self.clock.enter(Stage::Output);
         let disparity = &self.disparity.0.as_flattened()[..width];
         sink(DisparityRow { y, disparity, confidence: &self.answer.confidence.0.as_flattened()[..width] });
@@ -486,18 +491,19 @@ const fn scramble(number: u32) -> u32 {
     mixed ^ mixed >> 16
 }
 
-/// The two feature rows of a cell row in either view.
-fn features_of<const WORDS: usize, F: FeatureRows<WORDS>>(
+/// Two feature rows of a cell row in either view: of cells as high as a tile the lower two, which are overwritten last.
+fn features_of<M: Matching, const WORDS: usize, F: FeatureRows<WORDS>>(
     views: [&CameraView<WORDS, F>; 2],
     row: u32,
 ) -> [&[[u32; WORDS]; 2]; 2] {
-    views.map(|view| &view.tiles(row / 2).as_chunks().0[row as usize % 2])
+    let half = if M::ROWS == 1 { 1 } else { row as usize % 2 };
+    views.map(|view| &view.tiles(row / M::ROWS).as_chunks().0[half])
 }
 
-/// Where the cell row above a row of tiles is, and its own two.
-fn cell_slots<const WORDS: usize, R: CellRows<WORDS>>(tile_row: u32) -> [usize; 3] {
-    let row = 2 * tile_row;
-    [row + R::LEN - 1, row, row + 1].map(|row| (row % R::LEN) as usize)
+/// Where the cell row above a row of tiles is, and its own: `N` in all.
+fn cell_slots<const N: usize, const WORDS: usize, M: Matching>(tile_row: u32) -> [usize; N] {
+    let first = M::ROWS * tile_row + M::Cells::<WORDS>::LEN - 1;
+    core::array::from_fn(|i| (first as usize + i) % M::Cells::<WORDS>::LEN as usize)
 }
 
 impl<M: Matching, const BLOCKS: usize, C: StageClock> StereoMethod for Tiled<M, BLOCKS, C> {
@@ -542,12 +548,22 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> StereoMethod for Tiled<M, 
     }
 
     fn finish(&mut self, sink: &mut dyn FnMut(DisparityRow<'_>)) {
-        // The last row stands in for those below the image.
-        while self.delivered < self.rows {
-            self.clock.enter(Stage::Features);
-            self.left.push_again();
-            self.right.push_again();
-            self.advance(sink);
+        if self.rows > 0 {
+            // The last row stands in for those below the image, as far as filters and the last tiles ask for them.
+            let needed = TILE_ROWS * self.tile_rows() + if M::AGREEMENT { 3 } else { 2 };
+            while self.left.features_len() < needed {
+                self.clock.enter(Stage::Features);
+                self.left.push_again();
+                self.right.push_again();
+                self.advance(sink);
+            }
+            self.end_cells();
+            while self.delivered < self.rows {
+                if self.delivered / Self::CELL_HEIGHT >= self.answered {
+                    self.answer(self.tile_rows());
+                }
+                self.deliver(sink);
+            }
         }
         self.figures = self.sums.figures(self.exposure.is_dark());
         self.start();

@@ -510,7 +510,7 @@ pub(super) fn the_mirror_keeps(subject: &Subject, least_known: usize) {
 // Golden maps
 
 /// Compares a scene's map with its golden file, after a look whether it deserves to be one: of the pixels on
-/// textured surfaces, 75 percent are known and at most 8 percent of those more than 2 px wrong.
+/// textured surfaces, 75 percent are known and at most 9 percent of those more than 2 px wrong.
 fn scene_is_golden(subject: &Subject, name: &str, scene: &Scene, config: Config) {
     let map = run(&mut *(subject.build)(config), &scene.render());
     subject.check(&map, &config);
@@ -520,7 +520,7 @@ fn scene_is_golden(subject: &Subject, name: &str, scene: &Scene, config: Config)
     let wrong = known.iter().filter(|(truth, found)| (truth - found).abs() > 32).count();
     let (known, all) = (known.len(), answers.len());
     assert!(100 * known >= 75 * all, "{name}: {known} of {all} pixels known");
-    assert!(100 * wrong <= 8 * known, "{name}: {wrong} of {known} pixels wrong");
+    assert!(100 * wrong <= 9 * known, "{name}: {wrong} of {known} pixels wrong");
     golden::compare(&format!("{}_{name}", subject.name), &map);
 }
 

@@ -123,7 +123,7 @@ pub(crate) mod tests {
     use crate::matching::tile::Tile;
 
     /// A tile as the search may find it: labels ascend, and the last may stand twice.
-    pub(crate) fn random_tile(seed: &mut u32) -> Tile {
+    pub(crate) fn random_tile(seed: &mut u32) -> Tile<2> {
         let mut next = || random(seed);
         let first = next() % 4 * (next() % 60);
         let mut labels = first;
@@ -138,6 +138,7 @@ pub(crate) mod tests {
             labels = labels & 0x00ff_ffff | (labels & 0x00ff_0000) << 8;
             costs = costs.map(|costs| costs | 0xff00_0000);
         }
+        let costs = [[costs[0], costs[1]], [costs[2], costs[3]]];
         Tile { labels, costs, best: labels >> 8 & 0xff }
     }
 
@@ -147,7 +148,7 @@ pub(crate) mod tests {
     }
 
     /// A settled tile, its costs small or great.
-    fn random_settled_tile(seed: &mut u32, label: u32) -> SettledTile {
+    fn random_settled_tile(seed: &mut u32, label: u32) -> SettledTile<2> {
         let limit = [0x00ff_00ff, 0x000f_000f][random(seed) as usize % 2];
         let costs = [0; 3].map(|_: u32| [0; 2].map(|_: u32| random(seed) & limit));
         SettledTile { label: label.clamp(1, 254), costs }
