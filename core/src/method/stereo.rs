@@ -38,6 +38,12 @@ pub trait StereoMethod {
     fn figures(&self) -> Option<FrameFigures> {
         None
     }
+
+    /// Rows of a row of cells, which begin at a multiple of it, are decided together and go together in row packets; 1 if
+    /// the method does not answer in cells.
+    fn cell_height(&self) -> u32 {
+        1
+    }
 }
 
 impl<M: StereoMethod + ?Sized> StereoMethod for &mut M {
@@ -67,5 +73,9 @@ impl<M: StereoMethod + ?Sized> StereoMethod for &mut M {
 
     fn figures(&self) -> Option<FrameFigures> {
         (**self).figures()
+    }
+
+    fn cell_height(&self) -> u32 {
+        (**self).cell_height()
     }
 }

@@ -577,4 +577,8 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> StereoMethod for Tiled<M, 
     fn figures(&self) -> Option<FrameFigures> {
         self.figures
     }
+
+    fn cell_height(&self) -> u32 {
+        Self::CELL_HEIGHT
+    }
 }

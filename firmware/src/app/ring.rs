@@ -6,7 +6,7 @@ use embassy_sync::blocking_mutex::Mutex;
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use embassy_sync::zerocopy_channel::{Receiver, Sender};
 use haarline::framing::Place;
-use haarline::packet::FrameEnd;
+use haarline::packet::{FrameEnd, MAX_CELL_ROWS};
 use haarline::{Counters, Disparity};
 
 /// Most columns of a view.
@@ -15,8 +15,10 @@ pub const MAX_WIDTH: usize = 320;
 pub const MAX_RAW: usize = 2 * MAX_WIDTH;
 /// Raw rows between capture and vision, unless the board says otherwise: so many, and memory does not grow with the height.
 pub const RAW_ROWS: usize = 32;
-/// Pairs of disparity rows between vision and results: more than come at once at the end of a frame.
-pub const RESULT_PAIRS: usize = 10;
+/// Slots of disparity rows that go together between vision and results: more than come at once at the end of a frame.
+pub const RESULT_SLOTS: usize = 10;
+/// Most rows of a slot.
+pub const MAX_TOGETHER: usize = MAX_CELL_ROWS as usize;
 
 /// The sending end of a ring.
 pub type To<T> = Sender<'static, CriticalSectionRawMutex, T>;
@@ -60,7 +62,7 @@ impl RawRow {
 /// What vision tells results.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ResultKind {
-    /// One disparity row, or two.
+    /// Disparity rows.
     Rows,
     /// The frame has ended.
     End,
@@ -68,18 +70,18 @@ pub enum ResultKind {
     Over,
 }
 
-/// Two disparity rows on their way out, one below the other, or what stands in their place.
+/// Some disparity rows on their way out, one below the other, or what stands in their place.
 #[repr(C, align(4))]
 pub struct ResultRows {
     /// Disparity of each pixel. These two come first, at words: so they are copied by words.
-    pub disparity: [[Disparity; MAX_WIDTH]; 2],
+    pub disparity: [[Disparity; MAX_WIDTH]; MAX_TOGETHER],
     /// Confidence of each pixel.
-    pub confidence: [[u8; MAX_WIDTH]; 2],
+    pub confidence: [[u8; MAX_WIDTH]; MAX_TOGETHER],
     /// Which it is.
     pub kind: ResultKind,
     /// Where the first row belongs.
     pub place: Place,
-    /// Rows that count: 1 or 2.
+    /// Rows that count, at most [`MAX_TOGETHER`].
     pub count: usize,
     /// Columns that count.
     pub width: usize,
@@ -96,8 +98,8 @@ impl ResultRows {
         place: Place { frame: 0, row: 0 },
         count: 0,
         width: 0,
-        disparity: [[Disparity::from_bits(0); MAX_WIDTH]; 2],
-        confidence: [[0; MAX_WIDTH]; 2],
+        disparity: [[Disparity::from_bits(0); MAX_WIDTH]; MAX_TOGETHER],
+        confidence: [[0; MAX_WIDTH]; MAX_TOGETHER],
         counters: Counters::ZERO,
         end: FrameEnd::NONE,
     };

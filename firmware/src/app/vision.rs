@@ -6,7 +6,7 @@ use haarline::{DisparityRow, Stage, StereoMethod, Wiring};
 
 use crate::app::edge::{Work, WorkClock};
 use crate::app::lookout::{Lookout, Sighting};
-use crate::app::ring::{From, MAX_WIDTH, RawKind, RawRow, ResultKind, ResultRows, SharedCounters, To};
+use crate::app::ring::{From, MAX_TOGETHER, MAX_WIDTH, RawKind, RawRow, ResultKind, ResultRows, SharedCounters, To};
 
 /// A row of a view, at a word: so it is written and read by words.
 #[repr(align(4))]
@@ -26,7 +26,9 @@ pub async fn vision<const SECTORS: usize, const BLOCKS: usize>(
     let width = usize::from(method.config().width);
     let (mut left, mut right) = (View([0; MAX_WIDTH]), View([0; MAX_WIDTH]));
     let (Some(left), Some(right)) = (left.0.get_mut(..width), right.0.get_mut(..width)) else { return };
-    let mut takers = Takers { lookout, results, counters, end: FrameEnd::NONE, waits: false };
+    // Rows of a cell are sent together, others two at a time.
+    let together = usize::try_from(method.cell_height()).map_or(2, |rows| rows.clamp(2, MAX_TOGETHER));
+    let mut takers = Takers { lookout, results, counters, end: FrameEnd::NONE, together, waiting: 0 };
     // The frame under way, and when it began.
     let mut open = None;
     loop {
@@ -75,8 +77,10 @@ struct Takers<'a, const SECTORS: usize, const BLOCKS: usize, T> {
     counters: &'a SharedCounters,
     /// What becomes of the frame under way.
     end: FrameEnd,
-    /// Whether an upper row waits in the ring for the one below it.
-    waits: bool,
+    /// Rows that are sent together.
+    together: usize,
+    /// Rows that wait in the ring for those below them.
+    waiting: usize,
 }
 
 impl<const SECTORS: usize, const BLOCKS: usize, T: FnMut(Sighting<SECTORS>)> Takers<'_, SECTORS, BLOCKS, T> {
@@ -92,7 +96,7 @@ impl<const SECTORS: usize, const BLOCKS: usize, T: FnMut(Sighting<SECTORS>)> Tak
             self.cut();
             return;
         };
-        let (width, nth) = (row.disparity.len(), usize::from(self.waits));
+        let (width, nth) = (row.disparity.len(), self.waiting);
         let (Some(disparity), Some(confidence)) = (slot.disparity.get_mut(nth), slot.confidence.get_mut(nth)) else {
             return;
         };
@@ -100,19 +104,19 @@ impl<const SECTORS: usize, const BLOCKS: usize, T: FnMut(Sighting<SECTORS>)> Tak
             return;
         };
         row.copy_to(disparity, confidence);
-        if !self.waits {
+        if nth == 0 {
             (slot.kind, slot.place, slot.width) = (ResultKind::Rows, Place { frame, row: row.y }, width);
         }
         slot.count = nth + 1;
-        // Rows of a cell are sent together.
-        self.waits = !self.waits && row.y.is_multiple_of(2);
-        if !self.waits {
+        self.waiting = nth + 1;
+        if self.waiting == self.together || (row.y as usize + 1).is_multiple_of(self.together) {
             self.hand_on();
         }
     }
 
     /// Hands the slot on that was written last.
     fn hand_on(&mut self) {
+        self.waiting = 0;
         if let Some(slot) = self.results.try_send() {
             self.end.rows += u32::try_from(slot.count).unwrap_or(0);
             slot.counters = self.counters.get();
@@ -122,15 +126,14 @@ impl<const SECTORS: usize, const BLOCKS: usize, T: FnMut(Sighting<SECTORS>)> Tak
 
     /// Nobody takes the rows in time: the frame is not sent to its end.
     fn cut(&mut self) {
-        self.waits = false;
+        self.waiting = 0;
         self.end.is_cut = true;
         self.end.unsent_frames = self.end.unsent_frames.saturating_add(1);
     }
 
     /// Tells that a frame has ended.
     fn end(&mut self, frame: u32, begun_us: u64) {
-        if self.waits {
-            self.waits = false;
+        if self.waiting > 0 {
             self.hand_on();
         }
         if self.end.rows > 0 || !self.end.is_cut {

@@ -113,6 +113,10 @@ impl StereoMethod for OwnMethod {
     fn figures(&self) -> Option<FrameFigures> {
         self.0.figures()
     }
+
+    fn cell_height(&self) -> u32 {
+        self.0.cell_height()
+    }
 }
 
 impl MethodKind {

@@ -165,6 +165,10 @@ impl<M: StereoMethod, const ROWS: usize, const WIDTH: usize> StereoMethod for Pa
     fn figures(&self) -> Option<FrameFigures> {
         self.method.figures()
     }
+
+    fn cell_height(&self) -> u32 {
+        self.method.cell_height()
+    }
 }
 
 /// `row` moved left by `columns`, its border pixels repeated.

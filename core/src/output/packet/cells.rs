@@ -1,4 +1,4 @@
-//! Two rows of a method that answers in cells of 4 x 2 px, as what was decided of each cell.
+//! The rows of a row of cells, as what was decided of each cell.
 //!
 //! First come the confidences of all cells, then of each cell three numbers, all by prefix codes ([`Codes`]):
 //!
@@ -8,8 +8,8 @@
 //!    the second, third and fourth column.
 //! 2. *value*: the upper left pixel less the pixel before it, 1/16 px; before the row is 0. After the escape 12 bits follow;
 //!    if these are 0x800, 16 more.
-//! 3. *down*: half of what the lower row has more than the upper one. There are three codes: for cells after one with less
-//!    than none, with none and with more. After the escape 16 bits follow for each column, the lower row less the upper one.
+//! 3. *down*: half of what a row has more than the one above it. There are three codes: for cells after one with less
+//!    than none, with none and with more. After the escape 16 bits follow for each column, a row less the one above it.
 //!
 //! A *confidence* is told as an eighth of what it is more than that of the column before. There are two codes, for cells
 //! after one with a change and with none. After the escape 4 bits follow. If they are 8, all four confidences do, a byte each; else
@@ -17,7 +17,8 @@
 //!    first one's is another than the column's before, which follows then; if a column has another than the first, a bit is
 //!    set if it is no [`GUESS`], and then it follows.
 //!
-//! Both rows have the same confidences. A row alone is its own lower row. The last cell is filled up by the last pixel.
+//! All rows have the same confidences, and the same difference to the row above them. A row alone is its own lower row. The
+//! last cell is filled up by the last pixel.
 #![allow(
     clippy::cast_possible_truncation,
     clippy::cast_possible_wrap,
@@ -121,9 +122,18 @@ const fn columns(far: i32) -> [i32; 4] {
     [0, far - near, far + near, 2 * far]
 }
 
-/// Writes two rows, of the same width; how many bytes they are. `None` if there is not so much room, if they differ in
-/// confidence, or if something in them is unknown: then they are none of a method that answers in cells.
-pub(super) fn write(upper: DisparityRow<'_>, lower: DisparityRow<'_>, room: &mut [u8]) -> Option<usize> {
+/// Writes rows of the same width; how many bytes they are. `None` if there is not so much room, if they differ in confidence, if
+/// they do not go on as they begin, or if something in the first two is unknown: then they are not those of a row of cells.
+pub(super) fn write(rows: &[DisparityRow<'_>], room: &mut [u8]) -> Option<usize> {
+    let (&upper, below) = rows.split_first()?;
+    let &lower = below.first().unwrap_or(&upper);
+    for three in rows.windows(3) {
+        if let [above, here, below] = three
+            && !goes_on([above, here, below])
+        {
+            return None;
+        }
+    }
     let mut bits = Bits::new(room.as_chunks_mut().0);
     let sure = [upper.confidence, lower.confidence];
     let mut state = Confidences { before: 0, is_steady: false };
@@ -133,6 +143,28 @@ pub(super) fn write(upper: DisparityRow<'_>, lower: DisparityRow<'_>, room: &mut
     let put = |rows, state: &mut _, bits: &mut _| put_disparities(rows, &DISPARITIES, state, bits);
     write_cells([upper.disparity, lower.disparity], &mut state, &mut bits, put, write_odd)?;
     bits.finish()
+}
+
+/// Whether a row has as much more than the one above it as that has more than the one above, and their confidence.
+fn goes_on([above, here, below]: [&DisparityRow<'_>; 3]) -> bool {
+    let [(above, above_rest), (middle, middle_rest), (under, under_rest)] =
+        [above, here, below].map(|row| row.disparity.as_chunks::<4>());
+    let cells = above.iter().zip(middle).zip(under);
+    let goes_on = cells.fold(0, |differs, ((&above, &middle), &under)| {
+        let [above, middle, under] = [above, middle, under].map(words_of);
+        differs
+            | sub_halves(middle[0], above[0]) ^ sub_halves(under[0], middle[0])
+            | sub_halves(middle[1], above[1]) ^ sub_halves(under[1], middle[1])
+    });
+    let rise = |above: &Disparity, below: &Disparity| below.into_bits().wrapping_sub(above.into_bits());
+    let mut rest = above_rest.iter().zip(middle_rest).zip(under_rest);
+    let (sure, rest_sure) = here.confidence.as_chunks::<4>();
+    let (sure_below, rest_below) = below.confidence.as_chunks::<4>();
+    let other =
+        sure.iter().zip(sure_below).fold(0, |other, (&a, &b)| other | u32::from_le_bytes(a) ^ u32::from_le_bytes(b));
+    goes_on | other == 0
+        && rest.all(|((above, middle), under)| rise(above, middle) == rise(middle, under))
+        && rest_sure == rest_below
 }
 
 /// All cells of two rows: by `put` those that have codes, one after the other, by `write` those that may have none.
@@ -311,8 +343,8 @@ fn write_each(before: u32, confidence: [u8; 4], bits: &mut Bits<'_>) -> Option<(
     }
 }
 
-/// Reads the upper row, or the lower one; `None` if the bytes are not exactly two rows of this width.
-pub(super) fn read(bytes: &[u8], is_lower: bool, disparity: &mut [Disparity], confidence: &mut [u8]) -> Option<()> {
+/// Reads the `nth` row, from 0 at the top; `None` if the bytes are not exactly rows of this width.
+pub(super) fn read(bytes: &[u8], nth: u8, disparity: &mut [Disparity], confidence: &mut [u8]) -> Option<()> {
     let mut reader = BitReader::new(bytes);
     let (mut before, mut is_steady) = (0, false);
     for cell in confidence.chunks_mut(4) {
@@ -350,7 +382,7 @@ pub(super) fn read(bytes: &[u8], is_lower: bool, disparity: &mut [Disparity], co
             downs = if is_even { down_index(down[0].into()) } else { 1 };
         }
         for ((to, from), down) in cell.iter_mut().zip(upper).zip(down) {
-            *to = Disparity::from_bits(if is_lower { from.wrapping_add(down) } else { from });
+            *to = Disparity::from_bits(from.wrapping_add(down.wrapping_mul(nth.into())));
         }
     }
     reader.is_done().then_some(())

@@ -5,9 +5,9 @@
 //! ([`FrameEnd`]). Integers are postcard's variable-length ones. A CRC-32 follows, and COBS takes the zeros out: a zero
 //! ends each packet and occurs nowhere else, so a receiver that lost its place goes on at the next one.
 //!
-//! Rows come back exactly, whatever is in them. Those of [`Full`](crate::Full) and [`Lite`](crate::Lite) go two at a time,
-//! as what was decided of each cell of 4 x 2 px ([`Content::Cells`]); rows of other methods one at a time, equal
-//! neighbours once ([`Content::Runs`]); a row in which that does not pay is sent as it is, so that no packet is longer than
+//! Rows come back exactly, whatever is in them. Those of a row of cells go together, two of [`Full`](crate::Full) and four of
+//! [`Lite`](crate::Lite), as what was decided of each cell ([`Content::Cells`]); rows of other methods one at a time,
+//! equal neighbours once ([`Content::Runs`]); a row in which that does not pay is sent as it is, so that no packet is longer than
 //! [`max_bytes`] tells: 1050 bytes for 320 px. Bytes a row and instructions: `docs/instructions.md`.
 //!
 //! This is version 2. The version is added to the checksum, so that a packet of another version is told from a damaged one
@@ -22,7 +22,7 @@
 //! assert!(bytes.len() < 32 && bytes.iter().position(|&b| b == 0) == Some(bytes.len() - 1));
 //!
 //! let packet = Packet::decode(bytes)?;
-//! assert!(matches!(packet.content, Content::Cells { y: 7, width: 64, is_single: true }));
+//! assert!(matches!(packet.content, Content::Cells { y: 7, width: 64, rows: 1 }));
 //! let (mut disparity, mut confidence) = ([Disparity::UNKNOWN; 64], [0; 64]);
 //! packet.read_row(0, &mut disparity, &mut confidence)?;
 //! assert_eq!((&disparity[..], &confidence[..]), (row.disparity, row.confidence));
@@ -57,6 +57,8 @@ pub const VERSION: u32 = 2;
 const fn mark(version: u32) -> u32 {
     version - 1
 }
+/// Most rows that go together.
+pub const MAX_CELL_ROWS: u8 = 4;
 /// Versions that are told from damage.
 const VERSIONS: core::ops::RangeInclusive<u32> = 1..=16;
 
@@ -85,14 +87,14 @@ pub enum Content {
         /// The sender's counts.
         counters: Counters,
     },
-    /// Two rows of it, one below the other, or one; four columns of both at a time, by value, slopes and confidence.
+    /// Some rows of it, one below the other; four columns of all of them at a time, by value, slopes and confidence.
     Cells {
-        /// Row of the image, from 0 at the top; of two the upper one.
+        /// Row of the image, from 0 at the top; the uppermost.
         y: u32,
         /// Pixels of a row.
         width: u16,
-        /// Whether it is one row only.
-        is_single: bool,
+        /// How many, 1 to [`MAX_CELL_ROWS`].
+        rows: u8,
     },
     /// A row of it: neighbours of the same disparity and confidence once, with their number.
     Runs {
@@ -122,7 +124,7 @@ impl Content {
     #[must_use]
     pub const fn rows(&self) -> Option<Rows> {
         let (y, count, width) = match *self {
-            Self::Cells { y, width, is_single } => (y, 2 - is_single as u8, width),
+            Self::Cells { y, width, rows } => (y, rows, width),
             Self::Runs { y, width } | Self::Plain { y, width } => (y, 1, width),
             Self::Begin { .. } | Self::End { .. } => return None,
         };
@@ -135,7 +137,7 @@ impl Content {
 pub struct Rows {
     /// The first of them.
     pub y: u32,
-    /// 1 or 2.
+    /// 1 to [`MAX_CELL_ROWS`].
     pub count: u8,
     /// Pixels of each.
     pub width: u16,
@@ -237,29 +239,40 @@ impl Encoder {
         counters: &Counters,
         buffer: &'a mut [u8],
     ) -> Result<&'a mut [u8], PacketError> {
-        self.write(frame, Content::Begin { width, height, counters: *counters }, None, buffer)
+        self.write(frame, Content::Begin { width, height, counters: *counters }, &[], buffer)
     }
 
-    /// The packet of two rows of frame `frame`, one below the other: the used part of `buffer`. `None` if they do not go
-    /// together, as those of a method do that answers in cells of 4 x 2 px: each is to be sent alone then.
+    /// The packet of the first of some rows of frame `frame`, one below the other: of as many as go together, as those of a row
+    /// of cells do, all of them, two or one. How many these are, and the used part of `buffer`.
     ///
     /// # Errors
-    /// If the buffer is smaller than [`max_bytes`] of the rows' width, or a row is no row.
-    pub fn pair<'a>(
+    /// If the buffer is smaller than [`max_bytes`] of the rows' width, or they are not 1 to [`MAX_CELL_ROWS`] such rows.
+    pub fn rows<'a>(
         &mut self,
         frame: u32,
-        [upper, lower]: [DisparityRow<'_>; 2],
+        rows: &[DisparityRow<'_>],
         buffer: &'a mut [u8],
-    ) -> Result<Option<&'a mut [u8]>, PacketError> {
-        let width = width_of(upper)?;
-        if width_of(lower)? != width || upper.y.checked_add(1) != Some(lower.y) {
+    ) -> Result<(usize, &'a mut [u8]), PacketError> {
+        let (Some(&first), Ok(count @ 1..=MAX_CELL_ROWS)) = (rows.first(), u8::try_from(rows.len())) else {
             return Err(PacketError::Row);
+        };
+        let width = width_of(first)?;
+        for (nth, &row) in (0..).zip(rows) {
+            if width_of(row)? != width || first.y.checked_add(nth) != Some(row.y) {
+                return Err(PacketError::Row);
+            }
         }
-        let content = Content::Cells { y: upper.y, width, is_single: false };
-        match self.write(frame, content, Some([upper, lower]), buffer) {
-            Err(PacketError::Row) => Ok(None),
-            written => written.map(Some),
+        for count in [count, 2].into_iter().filter(|&two| 2 <= two && two <= count) {
+            let content = Content::Cells { y: first.y, width, rows: count };
+            let together = rows.get(..count.into()).ok_or(PacketError::Row)?;
+            match self.place(frame, content, together, &mut *buffer) {
+                // They do not go together.
+                Err(PacketError::Row) => {}
+                Err(error) => return Err(error),
+                Ok(range) => return Ok((count.into(), buffer.get_mut(range).ok_or(PacketError::Row)?)),
+            }
         }
+        self.row(frame, first, buffer).map(|packet| (1, packet))
     }
 
     /// The packet of a row of frame `frame`: the used part of `buffer`.
@@ -274,15 +287,15 @@ impl Encoder {
     ) -> Result<&'a mut [u8], PacketError> {
         let (y, width) = (row.y, width_of(row)?);
         // Methods that answer everything answer in cells; where something is unknown it comes in runs.
-        for content in [Content::Cells { y, width, is_single: true }, Content::Runs { y, width }] {
-            match self.place(frame, content, Some([row; 2]), &mut *buffer) {
+        for content in [Content::Cells { y, width, rows: 1 }, Content::Runs { y, width }] {
+            match self.place(frame, content, &[row], &mut *buffer) {
                 // More bytes than the plain pixels.
                 Err(PacketError::Row) => {}
                 Err(error) => return Err(error),
                 Ok(range) => return buffer.get_mut(range).ok_or(PacketError::Row),
             }
         }
-        self.write(frame, Content::Plain { y, width }, Some([row; 2]), buffer)
+        self.write(frame, Content::Plain { y, width }, &[row], buffer)
     }
 
     /// The packet that ends frame `frame`: the used part of `buffer`.
@@ -296,7 +309,7 @@ impl Encoder {
         counters: &Counters,
         buffer: &'a mut [u8],
     ) -> Result<&'a mut [u8], PacketError> {
-        self.write(frame, Content::End { end: *end, counters: *counters }, None, buffer)
+        self.write(frame, Content::End { end: *end, counters: *counters }, &[], buffer)
     }
 
     /// Writes a packet and gives it the next number. [`PacketError::Row`] if the pixels need more bytes in this coding than
@@ -305,7 +318,7 @@ impl Encoder {
         &mut self,
         frame: u32,
         content: Content,
-        rows: Option<[DisparityRow<'_>; 2]>,
+        rows: &[DisparityRow<'_>],
         buffer: &'a mut [u8],
     ) -> Result<&'a mut [u8], PacketError> {
         let range = self.place(frame, content, rows, &mut *buffer)?;
@@ -317,7 +330,7 @@ impl Encoder {
         &mut self,
         frame: u32,
         content: Content,
-        rows: Option<[DisparityRow<'_>; 2]>,
+        rows: &[DisparityRow<'_>],
         buffer: &mut [u8],
     ) -> Result<Range<usize>, PacketError> {
         let width = content.rows().map_or(0, |rows| rows.width);
@@ -342,15 +355,14 @@ fn width_of(row: DisparityRow<'_>) -> Result<u16, PacketError> {
 
 /// Header, pixels and checksum one after the other; how many bytes that are. With room for the longest
 /// packet, `None` only if the pixels need more bytes in this coding than plain.
-fn write_plain(header: &Header, rows: Option<[DisparityRow<'_>; 2]>, room: &mut [u8]) -> Option<usize> {
+fn write_plain(header: &Header, rows: &[DisparityRow<'_>], room: &mut [u8]) -> Option<usize> {
     let mut count = postcard::to_slice(header, room).ok()?.len();
-    if let Some([upper, lower]) = rows {
-        let width = upper.disparity.len();
-        let room = room.get_mut(count..)?.get_mut(..runs::BYTES * width)?;
+    if let Some(&row) = rows.first() {
+        let room = room.get_mut(count..)?.get_mut(..runs::BYTES * row.disparity.len())?;
         count += match header.content {
-            Content::Cells { .. } => cells::write(upper, lower, room)?,
-            Content::Runs { .. } => runs::write_runs(upper, room)?,
-            _ => runs::write_plain(upper, room)?,
+            Content::Cells { .. } => cells::write(rows, room)?,
+            Content::Runs { .. } => runs::write_runs(row, room)?,
+            _ => runs::write_plain(row, room)?,
         };
     }
     let checksum = (CRC.checksum(room.get(..count)?) ^ mark(VERSION)).to_le_bytes();
@@ -387,13 +399,17 @@ impl<'a> Packet<'a> {
         }
         let (header, pixels) = postcard::take_from_bytes::<Header>(told).map_err(|_| PacketError::Unknown)?;
         let Header { sequence, frame, content } = header;
-        if content.rows().is_none() && !pixels.is_empty() {
+        let is_known = match content.rows() {
+            Some(rows) => (1..=MAX_CELL_ROWS).contains(&rows.count),
+            None => pixels.is_empty(),
+        };
+        if !is_known {
             return Err(PacketError::Unknown);
         }
         Ok(Self { sequence, frame, content, pixels })
     }
 
-    /// The pixels of a row, of the upper one (0) or of the one below it (1), into room for exactly as many.
+    /// The pixels of a row, the `nth` of them from 0 at the top, into room for exactly as many.
     ///
     /// # Errors
     /// If the packet has no such row of this width, or is of an unknown form; the room may be partly written
@@ -404,7 +420,7 @@ impl<'a> Packet<'a> {
             return Err(PacketError::Width);
         }
         let read = match self.content {
-            Content::Cells { .. } => cells::read(self.pixels, nth == 1, disparity, confidence),
+            Content::Cells { .. } => cells::read(self.pixels, nth, disparity, confidence),
             Content::Runs { .. } => runs::read_runs(self.pixels, disparity, confidence),
             _ => runs::read_plain(self.pixels, disparity, confidence),
         };

@@ -56,7 +56,10 @@ impl Row {
     fn with(&self, below: &Self) -> Option<usize> {
         let mut buffer = [0; max_bytes(1280)];
         let mut encoder = Encoder::new();
-        let bytes = encoder.pair(5, [self.row(9), below.row(10)], &mut buffer).unwrap()?;
+        let (together, bytes) = encoder.rows(5, &[self.row(9), below.row(10)], &mut buffer).unwrap();
+        if together == 1 {
+            return None;
+        }
         let count = bytes.len();
         assert_eq!(bytes.iter().position(|&byte| byte == 0), Some(count - 1));
         let packet = Packet::decode(bytes).unwrap();
@@ -122,11 +125,11 @@ fn a_row_that_is_none_and_a_buffer_too_small_are_refused_and_use_no_number() {
     let odd = DisparityRow { confidence: &[0; 3], ..row };
     assert_eq!(encoder.row(0, odd, &mut buffer).unwrap_err(), PacketError::Row);
     for other in [odd, DisparityRow { y: 1, disparity: &[Disparity::UNKNOWN; 3], confidence: &[0; 3] }, row] {
-        assert_eq!(encoder.pair(0, [row, other], &mut buffer).unwrap_err(), PacketError::Row);
+        assert_eq!(encoder.rows(0, &[row, other], &mut buffer).unwrap_err(), PacketError::Row);
     }
     let below = DisparityRow { y: 1, ..row };
-    assert_eq!(encoder.pair(0, [row, below], &mut buffer).unwrap(), None, "nothing is known");
-    let bytes = encoder.row(0, row, &mut buffer).unwrap();
+    let (together, bytes) = encoder.rows(0, &[row, below], &mut buffer).unwrap();
+    assert_eq!(together, 1, "nothing is known");
     let packet = Packet::decode(bytes).unwrap();
     assert_eq!(packet.sequence, 0);
     assert_eq!(packet.read_row(0, &mut [Disparity::UNKNOWN; 5], &mut [0; 5]), Err(PacketError::Width));
@@ -165,6 +168,36 @@ fn two_rows_of_cells_are_short() {
     other.confidence[7] = 96;
     other.disparity[319] = Disparity::UNKNOWN;
     assert_eq!(row(0).with(&other), None);
+}
+
+#[test]
+fn four_rows_of_cells_are_hardly_longer_than_two() {
+    let row_of = |y: i16| {
+        Row::of((0..318).map(|x| (160 + 2 * (x / 4) + [0, 1, 1, 2][usize::try_from(x % 4).unwrap()] + 4 * y, 96)))
+    };
+    let all = [0, 1, 2, 3].map(row_of);
+    let mut buffer = [0; max_bytes(1280)];
+    let mut length = |rows: &[Row; 4], count: usize| {
+        let rows = &rows[..count];
+        let told = [0, 1, 2, 3].map(|nth| rows[nth.min(count - 1)].row(9 + u32::try_from(nth).unwrap()));
+        let (together, bytes) = Encoder::new().rows(5, &told[..count], &mut buffer).unwrap();
+        let length = bytes.len();
+        let packet = Packet::decode(bytes).unwrap();
+        assert_eq!(packet.content, Content::Cells { y: 9, width: 318, rows: u8::try_from(together).unwrap() });
+        (0..).zip(&rows[..together]).for_each(|(nth, row)| row.check(&packet, nth));
+        (together, length)
+    };
+    assert_eq!(length(&all, 4), (4, length(&all, 2).1));
+    // What does not go on as it begins is no row of cells: in a whole cell, at the end, in its confidence.
+    for (row, column) in [(2, 0), (3, 317), (2, 316), (3, 5)] {
+        let mut other = [0, 1, 2, 3].map(row_of);
+        other[row].disparity[column] = Disparity::from_bits(7);
+        assert_eq!(length(&other, 4).0, 2);
+        let mut other = [0, 1, 2, 3].map(row_of);
+        other[row].confidence[column] = 95;
+        assert_eq!(length(&other, 4).0, 2);
+    }
+    assert!(Encoder::new().rows(0, &[], &mut buffer).is_err());
 }
 
 #[test]
@@ -261,13 +294,13 @@ proptest! {
     #[test]
     fn no_bytes_make_the_decoder_fail(
         mut bytes in prop::collection::vec(any::<u8>(), 0..200),
-        is_lower in any::<bool>(),
+        nth in any::<u8>(),
         width in 0usize..300,
     ) {
         let (mut disparity, mut confidence) = ([Disparity::UNKNOWN; 300], [0; 300]);
         let room = (&mut disparity[..width], &mut confidence[..width]);
         // What a sender with another idea of the form might have put under a right checksum.
-        let _ = cells::read(&bytes, is_lower, room.0, room.1);
+        let _ = cells::read(&bytes, nth, room.0, room.1);
         let _ = runs::read_runs(&bytes, room.0, room.1);
         let _ = runs::read_plain(&bytes, room.0, room.1);
         let _ = Packet::decode(&mut bytes);

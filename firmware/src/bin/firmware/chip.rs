@@ -11,7 +11,7 @@ use haarline::{ConfigError, Full, Lite, Rectified, Setup, StereoMethod, blocks_f
 use haarline_firmware::app::autopilot::Sightings;
 use haarline_firmware::app::capture::Patience;
 use haarline_firmware::app::lookout::Lookout;
-use haarline_firmware::app::ring::{From, RESULT_PAIRS, RawRow, ResultRows, SharedCounters, To};
+use haarline_firmware::app::ring::{From, RESULT_SLOTS, RawRow, ResultRows, SharedCounters, To};
 use haarline_firmware::app::settings::{self, Method};
 use haarline_firmware::app::shown::{ShownPackets, ShownSink, ShownSource};
 use haarline_firmware::app::{alive, autopilot, capture, measuring, results, statistics, vision};
@@ -57,7 +57,7 @@ static RESULTS: StaticCell<Channel<'static, CriticalSectionRawMutex, ResultRows>
 static SIGHTINGS: Sightings<SECTORS> = Sightings::new();
 // Not for DMA, but to leave the fast memory to the pipeline and the stack.
 static RAW_RING: DmaCell<[RawRow; RAW_ROWS]> = dma_cell!([RawRow; RAW_ROWS]);
-static RESULT_RING: DmaCell<[ResultRows; RESULT_PAIRS]> = dma_cell!([ResultRows; RESULT_PAIRS]);
+static RESULT_RING: DmaCell<[ResultRows; RESULT_SLOTS]> = dma_cell!([ResultRows; RESULT_SLOTS]);
 
 #[cortex_m_rt::entry]
 fn main() -> ! {
@@ -107,7 +107,7 @@ fn raw_ring() -> &'static mut [RawRow; RAW_ROWS] {
 }
 
 #[inline(never)]
-fn result_ring() -> &'static mut [ResultRows; RESULT_PAIRS] {
+fn result_ring() -> &'static mut [ResultRows; RESULT_SLOTS] {
     RESULT_RING.take([ResultRows::EMPTY; _])
 }
 

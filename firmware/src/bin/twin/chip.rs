@@ -9,7 +9,7 @@ use haarline::obstacle::MAX_SECTORS;
 use haarline::{Rectified, Setup, StereoMethod, Wiring, blocks_for};
 use haarline_firmware::app::capture::Patience;
 use haarline_firmware::app::lookout::Lookout;
-use haarline_firmware::app::ring::{From, MAX_WIDTH, RAW_ROWS, RESULT_PAIRS, RawRow, ResultRows, SharedCounters, To};
+use haarline_firmware::app::ring::{From, MAX_WIDTH, RAW_ROWS, RESULT_SLOTS, RawRow, ResultRows, SharedCounters, To};
 use haarline_firmware::app::{capture, results, vision};
 use haarline_firmware::stack;
 use semihosting::fs::File;
@@ -32,8 +32,8 @@ pub static COUNTERS: SharedCounters = SharedCounters::new();
 
 static CLOCK: ConstStaticCell<TwinClock> = ConstStaticCell::new(TwinClock::new());
 static RAW_RING: ConstStaticCell<[RawRow; RAW_ROWS]> = ConstStaticCell::new([RawRow::EMPTY; RAW_ROWS]);
-static RESULT_RING: ConstStaticCell<[ResultRows; RESULT_PAIRS]> =
-    ConstStaticCell::new([ResultRows::EMPTY; RESULT_PAIRS]);
+static RESULT_RING: ConstStaticCell<[ResultRows; RESULT_SLOTS]> =
+    ConstStaticCell::new([ResultRows::EMPTY; RESULT_SLOTS]);
 static RAW: StaticCell<Channel<'static, CriticalSectionRawMutex, RawRow>> = StaticCell::new();
 static RESULTS: StaticCell<Channel<'static, CriticalSectionRawMutex, ResultRows>> = StaticCell::new();
 static BEHIND: StaticCell<Behind> = StaticCell::new();

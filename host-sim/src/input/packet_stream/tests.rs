@@ -237,7 +237,9 @@ fn pairs(frame: u32) -> Vec<Vec<u8>> {
             let at = (y + nth) * 40..(y + nth + 1) * 40;
             DisparityRow { y: (y + nth) as u32, disparity: &map.disparity[at.clone()], confidence: &map.confidence[at] }
         });
-        packets.push(encoder.pair(frame, rows, &mut buffer).unwrap().unwrap().to_vec());
+        let (together, packet) = encoder.rows(frame, &rows, &mut buffer).unwrap();
+        assert_eq!(together, 2);
+        packets.push(packet.to_vec());
     }
     packets.push(encoder.end(frame, &end(6), &Counters::ZERO, &mut buffer).unwrap().to_vec());
     packets
