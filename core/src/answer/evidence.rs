@@ -58,7 +58,7 @@ impl Floor {
         let floor = if is_noisy { floor / 2 } else { floor };
         let sure = match (noise.level, agreement) {
             (SmoothingLevel::Off, true) => 121,
-            (SmoothingLevel::Light, true) => 138,
+            (SmoothingLevel::Light, true) => 140,
             (SmoothingLevel::Medium, true) => 148 + 7 * floor / 20,
             (SmoothingLevel::Strong, true) => 180,
             (SmoothingLevel::Off, false) => 98,
