@@ -127,6 +127,10 @@ const fn columns(far: i32) -> [i32; 4] {
 pub(super) fn write(rows: &[DisparityRow<'_>], room: &mut [u8]) -> Option<usize> {
     let (&upper, below) = rows.split_first()?;
     let &lower = below.first().unwrap_or(&upper);
+    // Most rows that are none of cells show it here.
+    if upper.disparity.iter().step_by(16).any(|&disparity| disparity == Disparity::UNKNOWN) {
+        return None;
+    }
     for three in rows.windows(3) {
         if let [above, here, below] = three
             && !goes_on([above, here, below])

@@ -262,7 +262,8 @@ impl Encoder {
                 return Err(PacketError::Row);
             }
         }
-        for count in [count, 2].into_iter().filter(|&two| 2 <= two && two <= count) {
+        let fewer = (count > 2).then_some(2);
+        for count in [Some(count).filter(|&count| count > 1), fewer].into_iter().flatten() {
             let content = Content::Cells { y: first.y, width, rows: count };
             let together = rows.get(..count.into()).ok_or(PacketError::Row)?;
             match self.place(frame, content, together, &mut *buffer) {
