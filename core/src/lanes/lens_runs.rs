@@ -9,7 +9,9 @@ pub(crate) const RUN: usize = 4;
 /// Pixels that are made at once.
 pub(crate) const SEGMENT: usize = 8 * RUN;
 /// Rows between which places go straight.
-pub(crate) const KNOT_ROWS: usize = 8;
+pub(crate) const KNOT_ROWS: usize = 1 << KNOT_BITS;
+/// The same as a power of 2.
+pub(crate) const KNOT_BITS: u32 = 4;
 
 /// Where the runs of a segment lie in one direction, 1/65536 px.
 ///
@@ -85,7 +87,7 @@ pub(crate) fn beside([_, step, bend]: Curve) -> [i32; 2] {
 pub(crate) fn aim<const WIDTH: usize>(segment: &mut Segment, knot: [Curve; 2], last: u16) {
     let [across, down] = curves(segment);
     let [to_across, to_down] = knot;
-    let growth = |from: i32, to: i32| (to - from) >> 3;
+    let growth = |from: i32, to: i32| (to - from) >> KNOT_BITS;
     let end = |from: i32, growth: i32| from + KNOT_ROWS as i32 * growth;
     let x_growth = [0, 1].map(|k| growth(across[k], to_across[k]));
     let y_growth = [0, 1, 2].map(|k| growth(down[k], to_down[k]));

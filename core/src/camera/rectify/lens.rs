@@ -6,6 +6,7 @@
     reason = "a handful of rows, windows of some columns"
 )]
 
+use crate::lanes::lens_runs::KNOT_BITS;
 pub(super) use crate::lanes::lens_runs::KNOT_ROWS;
 use crate::lanes::lens_runs::{
     Curve, RUN, SEGMENT, Segment, View, aim, beside, copy, curves, make, mix, mix_run, places, skip, start,
@@ -96,9 +97,10 @@ impl LensTable {
     /// Where the camera saw the pixel in column `x` and row `y`, 1/65536 px, as [`Rectifier`](super::Rectifier) takes it.
     #[must_use]
     pub fn place_q16(&self, [x, y]: [u16; 2]) -> [i32; 2] {
-        let (step, t) = (i32::from(y) % 8, i32::from(x) % 32);
-        let knot = y - y % 8;
-        let [above, below] = [knot, knot + 8].map(|y| {
+        const ROWS: u16 = 1 << KNOT_BITS;
+        let (step, t) = (i32::from(y % ROWS), i32::from(x) % 32);
+        let knot = y - y % ROWS;
+        let [above, below] = [knot, knot + ROWS].map(|y| {
             let mut places = [[0; 2]; MAX_NODE_COLUMNS];
             self.row(y.into(), &mut places);
             let nodes = segment(&places, usize::from(x) / NODE_PX);
@@ -107,7 +109,7 @@ impl LensTable {
                 a + ((b * t) >> 5) + ((((c * t) >> 5) * t) >> 5)
             })
         });
-        [0, 1].map(|k| above[k] + (((below[k] - above[k]) * step) >> 3))
+        [0, 1].map(|k| above[k] + (((below[k] - above[k]) * step) >> KNOT_BITS))
     }
 }
 
@@ -181,7 +183,7 @@ impl Reach {
     pub(super) fn aim(&mut self, table: &LensTable, y: u32, mut take: impl FnMut(usize, [Curve; 2])) {
         let next = knot(table, y + KNOT_ROWS as u32, &mut take);
         // The greatest of what goes straight is at most what lies straight between the greatest at both ends.
-        self.growth = [(next[0] - self.at[0]) >> 3, (next[1] - self.at[1] + 7) >> 3];
+        self.growth = [(next[0] - self.at[0]) >> KNOT_BITS, (next[1] - self.at[1] + KNOT_ROWS as i32 - 1) >> KNOT_BITS];
     }
 
     /// The same of the row below.
@@ -198,8 +200,8 @@ impl Reach {
 
 /// Hands out the curves of a row's segments by their number; how far down they reach, with some room for rounding.
 fn knot(table: &LensTable, y: u32, take: &mut impl FnMut(usize, [Curve; 2])) -> [i32; 2] {
-    // Eight rows of growth rounded down, in a step's and a bend's share of the last run.
-    const ROOM: i32 = 512;
+    // Growth rounded down from knot to knot, in a step's and a bend's share of the last run.
+    const ROOM: i32 = 64 << KNOT_BITS;
     let mut places = [[0; 2]; MAX_NODE_COLUMNS];
     table.row(y, &mut places);
     let mut bounds = [i32::MAX, i32::MIN];
@@ -356,7 +358,7 @@ mod tests {
         let mut segments = [start([[0; 3]; 2]); 3];
         let mut bounds = Reach::start(&table, |i, curves| segments[i] = start(curves));
         for y in 0..96 {
-            if y % 8 == 0 {
+            if y % KNOT_ROWS as u32 == 0 {
                 bounds.aim(&table, y, |i, curves| aim::<96>(&mut segments[i], curves, 95));
             }
             for (i, segment) in segments.iter_mut().enumerate() {

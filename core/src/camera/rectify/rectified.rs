@@ -99,8 +99,10 @@ fn hand_on<M: StereoMethod, const WIDTH: usize>(
         Some(pair) => method.push(pair, &mut |row| after.take(&row, sink))?,
         None => method.miss(&mut |row| after.take(&row, sink)),
     }
-    clock.enter(Stage::Rectify);
+    // The watch compares what came out.
+    clock.enter(Stage::Output);
     after.watch.push(pair);
+    clock.enter(Stage::Rectify);
     Ok(())
 }
 
@@ -143,10 +145,12 @@ impl<M: StereoMethod, const ROWS: usize, const WIDTH: usize, C: StageClock> Ster
         if let Some(sampling) = Sampling::of(rectifier.came())
             && let Some(rows) = rectifier.newest_three()
         {
+            clock.enter(Stage::Features);
             noise.sample(rows, sampling.first, sampling.stride, sampling.weight);
             if rectifier.came() < 16 || rectifier.came().is_multiple_of(8) {
                 method.take_noise(noise);
             }
+            clock.enter(Stage::Rectify);
         }
         let mut outcome = Ok(());
         rectifier.push(pair, &mut |row| outcome = hand_on(method, after, clock, row.pair, sink))?;
@@ -175,6 +179,10 @@ impl<M: StereoMethod, const ROWS: usize, const WIDTH: usize, C: StageClock> Ster
         }
         method.finish(&mut |row| after.take(&row, sink));
         after.watch.start();
+    }
+
+    fn cell_height(&self) -> u32 {
+        self.method.cell_height()
     }
 
     fn figures(&self) -> Option<FrameFigures> {
