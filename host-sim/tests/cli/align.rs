@@ -53,6 +53,21 @@ fn a_description_is_changed_only_when_asked_and_kept() {
     assert!(now.contains("focal_px = 123.0  # measured"), "{now}");
     bench.write("rig.toml", "row_offset = 1\n");
     bench.refuses("align take -o rig.toml --update", &["rig.toml", "is missing"]);
+    // Of another size, and one that lens tables bring together.
+    let other = text.replace(&format!("width = {WIDTH}"), "width = 640");
+    bench.write("rig.toml", &other);
+    bench.refuses("align take -o rig.toml --update", &["640x", "but the views are"]);
+    let mut lenses = text.replace("row_offset = 5.5 # ", "row_offset = 0.0 # ");
+    for camera in ["left", "right"] {
+        for (key, value) in
+            [("camera", "[200.0, 200.0, 80.0, 60.0]"), ("lens", "[0.0, 0.0]"), ("turn", "[0.0, 0.0, 0.0]")]
+        {
+            lenses = lenses.replace(&format!("# {camera}_{key} ="), &format!("{camera}_{key} = {value}"));
+        }
+    }
+    bench.write("rig.toml", lenses);
+    bench.refuses("align take -o rig.toml --update", &["its lens tables tell where rows lie"]);
+    assert_eq!(bench.read("rig.toml.bak"), text.as_bytes());
 }
 
 #[test]

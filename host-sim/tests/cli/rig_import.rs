@@ -181,11 +181,15 @@ fn what_is_missing_wrong_or_of_another_kind_is_named() {
         bench.refuses("rig import c.yml --size 640x480 -o rig.toml", &[&["c.yml"], words].concat());
     };
     refuses(&OPENCV.replace("K2:", "Q2:"), &["K2 is missing"]);
+    refuses(&OPENCV.replace("D2:", "E2:"), &["D2 is missing", "of one camera only"]);
+    refuses(&OPENCV.replace("D1:", "E1:"), &["D1 is missing", "of one camera only"]);
     refuses(&OPENCV.replace("T:", "Z:"), &["without R and T"]);
     refuses(&OPENCV.replace("500., 0., 314.", ".nan, 0., 314."), &["no number"]);
     refuses(&OPENCV.replace("[ -59.997, -0.599988, 0. ]", "[ 60., 0., 0. ]"), &["exchanged"]);
     refuses(&OPENCV.replace("[ -59.997, -0.599988, 0. ]", "[ -3.3, 0., 0. ]"), &["--unit-mm"]);
     refuses(&OPENCV.replace("314., 0., 500., 244.", "1400., 0., 500., 900."), &["other pictures"]);
+    let omni = KALIBR.replace("camera_model: pinhole", "camera_model: omni").replace("MODEL", "radtan");
+    refuses(&omni, &["omni is not read", "pinhole"]);
     refuses("a: 1\nb: 2\n", &["no calibration that is known", "Kalibr"]);
     bench.write("c.yml", "just text");
     bench.refuses("rig import c.yml -o rig.toml", &["c.yml"]);
