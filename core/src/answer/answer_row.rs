@@ -215,8 +215,11 @@ impl<const WORDS: usize> AnswerRow<WORDS> {
         // Seen past a nearer thing to the right of it: that is mostly a strip that the right view does not see, and that looks
         // like what only the right view sees at the thing's other side.
         let mut leftmost = i32::MAX - OUT_OF_ORDER;
-        let labels = left.iter().zip(right).zip(columns(cells.clone(), origin));
-        for (((&a, &b), column), confidence) in labels.zip(&mut self.confidence.0[cells.clone()]).rev() {
+        let confidence = &mut self.confidence.0[cells.clone()];
+        let mut column = origin + 4 * cells.end as i32;
+        for i in (0..left.len().min(right.len()).min(confidence.len())).rev() {
+            let (a, b, confidence) = (left[i], right[i], &mut confidence[i]);
+            column -= 4;
             let at = |label: u8| (column - i32::from(label)).cast_unsigned() as usize;
             let here = column - i32::from(b);
             if here > leftmost + OUT_OF_ORDER {

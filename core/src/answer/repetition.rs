@@ -31,9 +31,7 @@ impl Repetition {
     /// Looks at the contours of a row of tiles: column and strength of each, from left to right, of one polarity.
     #[inline(never)]
     pub(crate) fn observe(&mut self, contours: impl Iterator<Item = (u32, u32)> + Clone) {
-        for pairs in &mut self.pairs {
-            *pairs /= 2;
-        }
+        halve(&mut self.pairs);
         let mut count = 0;
         let mut rest = contours;
         while let Some((column, strength)) = rest.next() {
@@ -59,6 +57,14 @@ impl Repetition {
         }
         self.distance = at;
         self.is_strong = most * 100 >= STRONG_PERCENT * 2 * u32::from(WEIGHT) * count.max(1);
+    }
+}
+
+/// Of any length, so that it is not written out in full.
+#[inline(never)]
+fn halve(numbers: &mut [u16]) {
+    for number in numbers {
+        *number /= 2;
     }
 }
 

@@ -347,7 +347,7 @@ impl<C: CellCost, const WORDS: usize> Search<'_, C, WORDS> {
     }
 
     /// The trial of the least sum more than a step from the best; the first of equals; [`u32::MAX`] if there is none.
-    #[inline(always)]
+    #[inline(never)]
     fn cheapest_beside(&self, best: u32) -> u32 {
         let mut other = u32::MAX;
         for &Trial { key, .. } in self.trials.list() {

@@ -98,28 +98,22 @@ impl<const WORDS: usize> TileSeeds<WORDS> {
                 NOBODY
             };
         }
+        // From right to left: of the tiles up to the next seed.
         let nearest = &mut self.nearest[..tiles];
-        nearest.fill([NONE; 2]);
-        for (i, contour) in (0..).zip(contours.iter()) {
-            if let Some(other) = candidates.get(contour.partner as usize)
-                && other.partner & 0xff == i
+        let (mut end, mut next) = (tiles, NONE);
+        for (i, contour) in contours.iter().enumerate().rev() {
+            let tile = contour.column() / 8;
+            if tile < end
+                && let Some(other) = candidates.get(contour.partner as usize)
+                && other.partner & 0xff == i as u32
             {
                 let label = (contour.column() as i32 - other.column() as i32 - least) as u16;
-                if let Some(nearest) = nearest.get_mut(contour.column() / 8) {
-                    *nearest = [label; 2];
-                }
+                fill(&mut nearest[tile..end], [label, next]);
+                nearest[tile] = [label; 2];
+                (end, next) = (tile, label);
             }
         }
-        let mut last = NONE;
-        for [from_left, _] in nearest.iter_mut() {
-            last = if *from_left == NONE { last } else { *from_left };
-            *from_left = last;
-        }
-        let mut next = NONE;
-        for [_, from_right] in nearest.iter_mut().rev() {
-            next = if *from_right == NONE { next } else { *from_right };
-            *from_right = next;
-        }
+        fill(&mut nearest[..end], [NONE, next]);
     }
 
     /// Column and strength of each contour of the left view that was found last, left to right.
@@ -138,6 +132,14 @@ impl<const WORDS: usize> TileSeeds<WORDS> {
     #[inline]
     pub(crate) fn nearest(&self, tile: usize) -> [u16; 2] {
         self.nearest[tile]
+    }
+}
+
+/// Gives tiles the same seeds.
+#[inline(never)]
+fn fill(tiles: &mut [[u16; 2]], seeds: [u16; 2]) {
+    for tile in tiles {
+        *tile = seeds;
     }
 }
 
