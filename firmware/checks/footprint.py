@@ -2,7 +2,9 @@
 """Prints as Markdown what each method takes at 320 px and 48 disparities: flash is `.text + .rodata` of a program with one
 method less the same with one that does nothing; RAM is its state and how deep its pushes need the stack, counted alike.
 
-usage: firmware/checks/footprint.py [METHOD...]
+usage: firmware/checks/footprint.py [METHOD[=MOST]...]
+
+Fails if a method takes more than MOST bytes of flash.
 
 Needs cargo, the target thumbv7em-none-eabihf and qemu-system-arm.
 """
@@ -46,15 +48,19 @@ def measure(method):
 
 
 def main():
-    methods = sys.argv[1:] or METHODS
-    if not set(methods) <= set(METHODS):
+    methods = dict((*word.split("=", 1), None)[:2] for word in sys.argv[1:] or METHODS)
+    if not set(methods) <= set(METHODS) or not all(most is None or most.isdigit() for most in methods.values()):
         sys.exit(__doc__.strip())
+    over = []
     nothing = measure("null")
     print("| method | flash, B | state, B | stack of a push, B | RAM, B |\n| --- | ---: | ---: | ---: | ---: |")
-    for method in methods:
+    for method, most in methods.items():
         code, state, stack = measure(method)
-        depth = stack - nothing[2]
-        print(f"| {method} | {code - nothing[0]} | {state} | {depth} | {state + depth} |", flush=True)
+        taken, depth = code - nothing[0], stack - nothing[2]
+        print(f"| {method} | {taken} | {state} | {depth} | {state + depth} |", flush=True)
+        if most is not None and taken > int(most):
+            over.append(f"{method}: {taken} bytes of flash, more than {most}")
+    sys.exit("\n".join(over) or None)
 
 
 main()

@@ -8,8 +8,8 @@ use anyhow::Result;
 use super::cost::CostModel;
 use super::counts::{Count, Input};
 
-/// What a plan may be off, %.
-pub const MOST_PERCENT: f64 = 7.0;
+/// What a plan may be off, %: on scenes, and on random views.
+pub const MOST_PERCENT: [f64; 2] = [5.0, 6.0];
 
 /// Errors of a method's plans on one input, over several sizes.
 #[derive(Debug)]
@@ -22,6 +22,15 @@ pub struct Error {
     pub worst_mean_percent: f64,
     /// The greatest error on a single scene, %.
     pub worst_scene_percent: f64,
+}
+
+impl Error {
+    /// Whether the mean over the scenes is off by more than [`MOST_PERCENT`].
+    #[must_use]
+    pub fn is_too_great(&self) -> bool {
+        let [scenes, random] = MOST_PERCENT;
+        self.worst_mean_percent.abs() > if self.input == Input::Random { random } else { scenes }
+    }
 }
 
 /// The errors of the model against counts.
