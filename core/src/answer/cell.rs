@@ -1,4 +1,4 @@
-//! The answer of a cell, 4 x 2 px: which of its tile's labels wins, and what lies between them.
+//! The answer of a cell, 4 columns of a tile and two of its rows or all: which of its labels wins, and what lies between them.
 #![cfg_attr(haarline_sse2, allow(dead_code, reason = "what goes word by word is held against the quads in tests"))]
 #![allow(
     clippy::cast_possible_truncation,

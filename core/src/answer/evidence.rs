@@ -91,7 +91,7 @@ impl<const WORDS: usize> Worth<WORDS> {
     pub(crate) const TRUSTED: Self = Self { bonus: [MOST_BONUS as u8; WORDS], blank: [0; WORDS] };
 }
 
-/// What is known of the cells of a row, a byte each: sums over their 4 x 2 px, at most 255.
+/// What is known of the cells of a row, a byte each: sums over 4 x 2 px of theirs, at most 255.
 #[derive(Debug, Clone)]
 struct Sums<const WORDS: usize> {
     /// Absolute differences at the answer.

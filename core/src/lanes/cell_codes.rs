@@ -1,4 +1,4 @@
-//! Codes of cells of 4 x 2 px as bits: many cells in one piece, up to one that has no code.
+//! Codes of cells of 4 columns as bits: many cells in one piece, up to one that has no code.
 
 use crate::Disparity;
 

@@ -1,4 +1,4 @@
-//! Sums of the evidence along a row of cells of 4 x 2 px: what fits, what is there, and what looks like it beside it.
+//! Sums of the evidence along two rows of cells: what fits, what is there, and what looks like it beside it.
 #![allow(
     clippy::cast_possible_truncation,
     clippy::cast_possible_wrap,

@@ -6,8 +6,9 @@ use crate::stage::Untimed;
 
 /// Stereo by contours and extremum search, every cell for itself: the cheapest method.
 ///
-/// The same tiles, labels and answers as [`Full`](crate::Full); a cell takes the label of its least cost, shared in part
-/// with its tile, and pays a little for one that its left and upper neighbours have not.
+/// The same tiles, labels and answers as [`Full`](crate::Full), but cells of 4 x 4 px, as high as a tile: half as many to
+/// answer. A cell takes the label of its least cost, shared in part with its tile, and pays a little for one that its left and
+/// upper neighbours have not.
 ///
 /// # Examples
 /// ```
