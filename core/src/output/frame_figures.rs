@@ -20,7 +20,7 @@ pub const LEAST_SEEN: u32 = 60;
 /// So much of the share of sure answers is taken from the mismatch.
 const SURE_PART: u16 = 10;
 /// Fewer windows than this say nothing of a frame.
-const LEAST_WINDOWS: u32 = 64;
+const LEAST_WINDOWS: u32 = 48;
 /// One of so many rows of tiles is looked at.
 const SAMPLING: u32 = 2;
 /// Least confidence of a sure answer.
