@@ -66,6 +66,8 @@ def functions(elf):
     for line in subprocess.run(command, capture_output=True, text=True, check=True).stdout.splitlines():
         if head := HEAD.match(line):
             name = head[1]
+            if name.startswith("$"):
+                sys.exit(f"{command[0]} is too old, it takes {name} for a function: rustup component add llvm-tools")
             calls.setdefault(name, set())
             floats.setdefault(name, [])
         elif name and (match := LINE.match(line)):
