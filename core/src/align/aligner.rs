@@ -1,5 +1,6 @@
 //! The passes over frames, from a wide search at half the size to a fit at the full one.
 
+use super::agreement::Agreement;
 use super::blocks::{BlockRow, Comparison, LeftRing, MAX_REACH, RightRing, SIDE};
 use super::cells::Cells;
 use super::estimate::Estimate;
@@ -7,6 +8,7 @@ use super::gradient::{BESIDE, Gradients};
 use super::line::Line;
 use super::order::Disparities;
 use super::places::{PARTS, Places};
+use crate::front_end::noise::RawNoise;
 use crate::{Config, ConfigError, Ramp, Rectification, RectifiedRow, Rectifier, RowError, ScanlinePair};
 
 /// What a pass looks for.
@@ -42,6 +44,10 @@ const PASSES: [Pass; 6] = [
     Pass { is_half: false, reach: 3, kind: Kind::Line, scale_q8: 96 },
 ];
 
+/// Noise is measured on every so manyth row, and on every so manyth column of it.
+const NOISE_ROWS: u32 = 4;
+const NOISE_COLUMNS: usize = 7;
+
 /// What an alignment compares.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Settings {
@@ -70,6 +76,8 @@ impl Settings {
 #[derive(Debug, Clone)]
 pub struct Aligner<const ROWS: usize, const WIDTH: usize> {
     rectifier: Rectifier<ROWS, WIDTH>,
+    /// Of the rows as they came.
+    noise: RawNoise,
     bench: Bench<WIDTH>,
 }
 
@@ -97,6 +105,7 @@ struct Bench<const WIDTH: usize> {
     line: Line,
     disparities: Disparities,
     places: Places,
+    agreement: Agreement,
     /// Costs of every row offset, all blocks together.
     totals: [u64; 2 * MAX_REACH + 1],
     frames: u32,
@@ -114,8 +123,8 @@ impl<const ROWS: usize, const WIDTH: usize> Aligner<ROWS, WIDTH> {
         if !(Config::MIN_WIDTH..=Config::MAX_WIDTH).contains(&settings.size[0]) {
             return Err(ConfigError::Width);
         }
-        let mut aligner =
-            Self { rectifier: Rectifier::new(settings.size, Rectification::default())?, bench: Bench::new(settings) };
+        let rectifier = Rectifier::new(settings.size, Rectification::default())?;
+        let mut aligner = Self { rectifier, noise: RawNoise::new(), bench: Bench::new(settings) };
         aligner.bench.start_pass();
         Ok(aligner)
     }
@@ -131,8 +140,13 @@ impl<const ROWS: usize, const WIDTH: usize> Aligner<ROWS, WIDTH> {
     /// # Errors
     /// If they have another width than configured.
     pub fn push(&mut self, pair: ScanlinePair<'_>) -> Result<(), RowError> {
-        let bench = &mut self.bench;
-        self.rectifier.push(pair, &mut |row| bench.take(&row))
+        let Self { rectifier, noise, bench } = self;
+        if rectifier.came().is_multiple_of(NOISE_ROWS)
+            && let Some(rows) = rectifier.newest_three()
+        {
+            noise.sample(rows, rectifier.came() as usize % NOISE_COLUMNS, NOISE_COLUMNS, 1);
+        }
+        rectifier.push(pair, &mut |row| bench.take(&row))
     }
 
     /// The next rows of the frame were lost.
@@ -151,6 +165,8 @@ impl<const ROWS: usize, const WIDTH: usize> Aligner<ROWS, WIDTH> {
     /// Ends a pass: what its frames showed is where the next one looks.
     pub fn end_pass(&mut self) {
         self.bench.end_pass();
+        let [left, right] = self.noise.deviations_q4();
+        self.bench.estimate.noise_q4 = (left * left + right * right).isqrt();
         let ramp = self.bench.estimate.ramp;
         match Rectifier::new(self.bench.settings.size, ramp.into()) {
             Ok(rectifier) => self.rectifier = rectifier,
@@ -185,6 +201,9 @@ impl<const WIDTH: usize> Bench<WIDTH> {
                 ramp: Ramp::default(),
                 errors_q16: [u32::MAX; 3],
                 contrast_percent: 0,
+                agreement_percent: 0,
+                spread_q16: 0,
+                noise_q4: 0,
                 blocks: 0,
                 frames: 0,
                 evaluations: 0,
@@ -208,6 +227,7 @@ impl<const WIDTH: usize> Bench<WIDTH> {
             line: Line::default(),
             disparities: Disparities::new(),
             places: Places::new(),
+            agreement: Agreement::default(),
             totals: [0; 2 * MAX_REACH + 1],
             frames: 0,
         }
@@ -232,6 +252,7 @@ impl<const WIDTH: usize> Bench<WIDTH> {
         self.line = Line::default();
         self.disparities.clear();
         self.places.clear();
+        self.agreement = Agreement::default();
         self.totals.fill(0);
         self.frames = 0;
         self.start_frame();
@@ -306,6 +327,7 @@ impl<const WIDTH: usize> Bench<WIDTH> {
             self.compared += 1;
         }
         self.frames += 1;
+        self.agreement.end_frame();
         self.start_frame();
     }
 
@@ -328,11 +350,15 @@ impl<const WIDTH: usize> Bench<WIDTH> {
                 self.cells.add(twice, self.settings.size, profile);
                 continue;
             }
-            let Some((offset, minimum)) = refine(profile) else { continue };
+            let Some((offset, minimum)) = refine(profile) else {
+                self.agreement.add_beyond(end_weight(profile));
+                continue;
+            };
             let in_px = if pass.is_half { 2 * minimum.q8 } else { minimum.q8 };
             let scale = pass.scale_q8 * pass.scale_q8;
             let near = scale * i64::from(minimum.weight) / (scale + i64::from(in_px) * i64::from(in_px));
             let weight = u32::try_from(near).unwrap_or(0);
+            self.agreement.add(self.settings.size[0], in_px, minimum.weight, weight);
             self.line.add(twice, in_px, weight);
             // A block tells of the left view's rows.
             let rows_q16 = self.estimate.ramp.displacement_q16(twice) - 256 * in_px;
@@ -394,6 +420,8 @@ impl<const WIDTH: usize> Bench<WIDTH> {
             self.note_disparities();
         }
         self.estimate.frames = self.frames;
+        self.estimate.agreement_percent = self.agreement.percent();
+        self.estimate.spread_q16 = self.agreement.spread_q16();
         self.estimate.contrast_percent = contrast_percent(self.totals.get(..2 * pass.reach + 1).unwrap_or(&[]));
         self.pass += 1;
         self.start_pass();
@@ -445,11 +473,25 @@ fn refine(profile: &[u16]) -> Option<(usize, Minimum)> {
     }
     let whole = i32::try_from(offset).ok()? - i32::try_from(profile.len() / 2).ok()?;
     let q8 = 256 * whole + (before - after) * 128 / curvature;
+    Some((offset, Minimum { q8, weight: weight(curvature, least) }))
+}
+
+/// What a minimum of that cost counts, up to 4095.
+fn weight(curvature: i32, least: i32) -> u32 {
     // Noise makes a variance that goes with the square of the curvature; where it is small, what lenses and the parabola
     // leave is more, which is alike for all.
     let precision = curvature * curvature / (256 + 4 * least);
-    let weight = 4095 * precision / (precision + SATURATION);
-    Some((offset, Minimum { q8, weight: weight.unsigned_abs() }))
+    (4095 * precision / (precision + SATURATION)).unsigned_abs()
+}
+
+/// What a block would count whose least cost is the first or last of its profile, if the cost rose alike beyond; 0 elsewhere.
+fn end_weight(profile: &[u16]) -> u32 {
+    let of = |least: u16, beside: u16| weight(2 * (i32::from(beside) - i32::from(least)), least.into());
+    match *profile {
+        [first, second, ..] if profile.iter().all(|&sum| sum >= first) => of(first, second),
+        [.., before, last] if profile.iter().all(|&sum| sum >= last) => of(last, before),
+        _ => 0,
+    }
 }
 
 /// By how much the least cost two or more offsets beside the least one exceeds it, percent.

@@ -10,8 +10,10 @@
 //! - `line`: those of later passes, each about what the pass before found: a plane through the blocks' offsets;
 //! - `order`: whether the views are swapped;
 //! - `places`: the offsets by part of the view;
+//! - `agreement`: whether blocks and frames say the same;
 //! - `aligner`: the passes.
 
+mod agreement;
 mod aligner;
 mod blocks;
 mod cells;

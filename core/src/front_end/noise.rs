@@ -120,6 +120,11 @@ impl RawNoise {
         }
     }
 
+    /// Standard deviations of the views, 1/16 grey level.
+    pub(crate) fn deviations_q4(&self) -> [u32; 2] {
+        self.histograms.each_ref().map(|histogram| histogram.percentile(30) * 100 / 231)
+    }
+
     /// What a method wants to know of it, whose views get that gain.
     pub(crate) fn noise(&self, gain: Gain) -> Noise {
         let [left, right] = &self.histograms;

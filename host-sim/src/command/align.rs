@@ -56,6 +56,9 @@ struct Summary {
     /// Standard errors of the three.
     errors: [f64; 3],
     contrast_percent: u32,
+    agreement_percent: u32,
+    /// Standard deviation of the frames' own row offsets, px.
+    spread: f64,
     /// Standard error of the row offset that one such frame has, px.
     frame_error: f64,
     median_disparity: i16,
@@ -179,6 +182,11 @@ fn refusal(estimate: &Estimate) -> Option<String> {
             f64::from(estimate.frame_error_q16()) / 65_536.0,
             f64::from(Estimate::MOST_FRAME_ERROR_Q16) / 65_536.0,
         )),
+        (Verdict::Contradictory, _) => Some(format!(
+            "the row offset is contradictory: {}; take both views at one moment (one trigger for both cameras), of things that \
+             stand still while the rig moves, or of many scenes",
+            align::contradiction(estimate).unwrap_or_default()
+        )),
         (Verdict::OutOfRange, _) => Some(
             "the row offset is not within ±16 px, or roll and scale not within ±5: the views show different things, or the \
              cameras must be turned"
@@ -195,17 +203,8 @@ impl Summary {
     fn new(estimate: &Estimate, found: &Displacement, frames: usize, damaged: usize) -> Self {
         let [rows, roll, scale] = estimate.errors_q16.map(|q16| f64::from(q16) / 65_536.0);
         Self {
-            verdict: match estimate.verdict() {
-                Verdict::Observable => "observable",
-                Verdict::NotObservable => "not observable",
-                Verdict::OutOfRange => "out of range",
-            },
-            order: match estimate.order() {
-                Order::AsGiven => "as given",
-                Order::Swapped => "swapped",
-                Order::Contradictory => "contradictory",
-                Order::NotObservable => "not observable",
-            },
+            verdict: align::verdict_name(estimate.verdict()),
+            order: align::order_name(estimate.order()),
             frames,
             damaged,
             row_offset: found.rows,
@@ -213,6 +212,8 @@ impl Summary {
             scale_percent: found.scale_percent,
             errors: [rows, roll.to_degrees(), 100.0 * scale],
             contrast_percent: estimate.contrast_percent,
+            agreement_percent: estimate.agreement_percent,
+            spread: f64::from(estimate.spread_q16) / 65_536.0,
             frame_error: f64::from(estimate.frame_error_q16()) / 65_536.0,
             median_disparity: estimate.median_disparity,
             ground_percent: estimate.ground_percent,
@@ -222,7 +223,17 @@ impl Summary {
     }
 
     fn text(&self) -> String {
-        let Self { frames, row_offset, roll_deg, scale_percent, errors, contrast_percent, disparities, .. } = self;
+        let Self {
+            frames,
+            row_offset,
+            roll_deg,
+            scale_percent,
+            errors,
+            contrast_percent,
+            agreement_percent,
+            disparities,
+            ..
+        } = self;
         let frames = if *frames == 1 { "1 frame".to_owned() } else { format!("{frames} frames") };
         let order = match self.order {
             "as given" => "left is left".to_owned(),
@@ -236,7 +247,7 @@ impl Summary {
         };
         format!(
             "{frames}: the right view lies {row_offset:.2} ± {:.2} rows lower, rolled by {roll_deg:.2} ± {:.2} degrees, {scale_percent:.2} \
-             ± {:.2} % higher\nrow offset {}: contrast {contrast_percent} %\nleft and right: {order}\ndisparities from {} to \
+             ± {:.2} % higher\nrow offset {}: contrast {contrast_percent} %, agreement {agreement_percent} %\nleft and right: {order}\ndisparities from {} to \
              {} px; the column offset is not observable from such frames\n",
             errors[0], errors[1], errors[2], self.verdict, disparities[0], disparities[1],
         )

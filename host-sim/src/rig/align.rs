@@ -1,7 +1,7 @@
 //! Frames through the core's alignment ([`haarline::align`]), and what a user wants to know of it.
 
 use anyhow::{Result, ensure};
-use haarline::align::{Aligner, Estimate, Settings};
+use haarline::align::{Aligner, Estimate, Order, Settings, Verdict};
 use haarline::{Config, Ramp, ScanlinePair};
 
 use crate::StereoPair;
@@ -70,6 +70,47 @@ pub fn align_parts(
     let rows = |down: usize, across: usize| aligner.rows_q16([across, down]).map(|rows| f64::from(rows) / 65_536.0);
     let parts = std::array::from_fn(|down| std::array::from_fn(|across| rows(down, across)));
     Ok((*aligner.estimate(), parts))
+}
+
+/// Whether the row offset is known, in words.
+#[must_use]
+pub const fn verdict_name(verdict: Verdict) -> &'static str {
+    match verdict {
+        Verdict::Observable => "observable",
+        Verdict::NotObservable => "not observable",
+        Verdict::Contradictory => "contradictory",
+        Verdict::OutOfRange => "out of range",
+    }
+}
+
+/// Which view is the left one, in words.
+#[must_use]
+pub const fn order_name(order: Order) -> &'static str {
+    match order {
+        Order::AsGiven => "as given",
+        Order::Swapped => "swapped",
+        Order::Contradictory => "contradictory",
+        Order::NotObservable => "not observable",
+    }
+}
+
+/// How blocks or frames contradict each other, if they do.
+#[must_use]
+pub fn contradiction(estimate: &Estimate) -> Option<String> {
+    let Estimate { agreement_percent, spread_q16, .. } = *estimate;
+    let px = |q16: u32| f64::from(q16) / 65_536.0;
+    if estimate.verdict() != Verdict::Contradictory {
+        None
+    } else if spread_q16 > Estimate::MOST_SPREAD_Q16 {
+        Some(format!(
+            "frames differ by {:.2} px in their row offset, where {:.3} px are allowed",
+            px(spread_q16),
+            px(Estimate::MOST_SPREAD_Q16)
+        ))
+    } else {
+        let least = estimate.least_agreement_percent();
+        Some(format!("{agreement_percent} % of what the views show agrees on a row offset, where {least} % are needed"))
+    }
 }
 
 /// How many frames all passes look at together.

@@ -6,7 +6,7 @@ use haarline::frame_figures::Input;
 use haarline::obstacle::Settings;
 use haarline::{Rectification, StereoMethod};
 
-use super::align::{Displacement, PARTS, Parts};
+use super::align::{self, Displacement, PARTS, Parts};
 use crate::stereo::disparity_map::px;
 use crate::stereo::pipeline;
 use crate::{DisparityMap, Frame, StereoPair};
@@ -207,7 +207,7 @@ impl Checked {
     /// Whether the row error is known.
     #[must_use]
     pub fn is_observable(&self) -> bool {
-        self.estimate.verdict() != Verdict::NotObservable
+        matches!(self.estimate.verdict(), Verdict::Observable | Verdict::OutOfRange)
     }
 
     /// The greatest row error that the ramp makes anywhere in the view, px.
@@ -307,6 +307,10 @@ impl Checked {
             Verdict::NotObservable => add(
                 "the row error is not observable".to_owned(),
                 "take frames of textured surroundings that are not too near",
+            ),
+            Verdict::Contradictory => add(
+                format!("the row error is contradictory: {}", align::contradiction(&self.estimate).unwrap_or_default()),
+                "take both views at one moment (one trigger for both cameras)",
             ),
             Verdict::OutOfRange => add(
                 "rows are more than 16 px off, or turned or scaled by more than 5".to_owned(),

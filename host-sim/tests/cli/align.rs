@@ -8,14 +8,18 @@ use crate::tool::Bench;
 
 /// A recording of one frame of which the right view lies `down` rows lower.
 fn record(bench: &Bench, down: usize) {
+    record_frame(bench, "a", down);
+}
+
+fn record_frame(bench: &Bench, name: &str, down: usize) {
     let pair = Pair::shifted(WIDTH, HEIGHT, 6);
     let mut displaced = pair.clone();
     for (index, pixel) in displaced.right.iter_mut().enumerate() {
         let (x, y) = (index % WIDTH, index / WIDTH);
         *pixel = pair.right[y.saturating_sub(down) * WIDTH + x];
     }
-    bench.write("take/left/a.png", encode(&pair.left_image(), ImageFormat::Png));
-    bench.write("take/right/a.png", encode(&displaced.right_image(), ImageFormat::Png));
+    bench.write(&format!("take/left/{name}.png"), encode(&pair.left_image(), ImageFormat::Png));
+    bench.write(&format!("take/right/{name}.png"), encode(&displaced.right_image(), ImageFormat::Png));
 }
 
 #[test]
@@ -104,6 +108,25 @@ fn what_does_not_show_it_is_not_observable() {
     assert_eq!(outcome.status, 1, "{outcome:?}");
     assert!(outcome.stderr.contains("not observable") && outcome.stderr.lines().count() == 1, "{outcome:?}");
     assert!(!bench.path("rig.toml").exists());
+}
+
+#[test]
+fn views_of_different_moments_are_contradictory() {
+    let bench = Bench::new();
+    for (name, down) in [("a", 2), ("b", 3), ("c", 2)] {
+        record_frame(&bench, name, down);
+    }
+    let refused = bench.run("align take -o rig.toml");
+    assert_eq!(refused.status, 1);
+    assert!(refused.stdout.contains("row offset contradictory"), "{}", refused.stdout);
+    assert!(
+        refused.stderr.contains("frames differ by 0.") && refused.stderr.contains("at one moment"),
+        "{}",
+        refused.stderr
+    );
+    assert!(!bench.path("rig.toml").exists());
+    let json = bench.run("align take --json").json();
+    assert!(json["verdict"] == "contradictory" && json["spread"].as_f64().unwrap() > 0.2, "{json}");
 }
 
 #[test]

@@ -37,20 +37,22 @@ fn views(ramp: Ramp) -> [Vec<u8>; 2] {
 }
 
 fn align(views: &[Vec<u8>; 2], lost: &[usize]) -> Estimate {
-    *aligned(views, lost).estimate()
+    *aligned(&[views], lost).estimate()
 }
 
-fn aligned([left, right]: &[Vec<u8>; 2], lost: &[usize]) -> Aligner<64, 128> {
+fn aligned(frames: &[&[Vec<u8>; 2]], lost: &[usize]) -> Aligner<64, 128> {
     let mut aligner = Aligner::<64, 128>::new(Settings::new(SIZE)).unwrap();
     while aligner.pass() < Aligner::<64, 128>::PASSES {
-        for (y, (left, right)) in left.chunks(128).zip(right.chunks(128)).enumerate() {
-            if lost.contains(&y) {
-                aligner.miss();
-            } else {
-                aligner.push(ScanlinePair { left, right }).unwrap();
+        for [left, right] in frames {
+            for (y, (left, right)) in left.chunks(128).zip(right.chunks(128)).enumerate() {
+                if lost.contains(&y) {
+                    aligner.miss();
+                } else {
+                    aligner.push(ScanlinePair { left, right }).unwrap();
+                }
             }
+            aligner.end_frame();
         }
-        aligner.end_frame();
         aligner.end_pass();
     }
     aligner
@@ -74,7 +76,7 @@ fn offset_roll_and_scale_are_found_with_and_without_all_rows() {
 fn every_part_tells_the_offset_that_is_there() {
     // A roll of 1.1 degrees: two and a half rows from one side to the other.
     let ramp = Ramp { rows_q16: 65_536, roll_q16: 1300, scale_q16: 0 };
-    let found = aligned(&views(ramp), &[]);
+    let found = aligned(&[&views(ramp)], &[]);
     let parts = Aligner::<64, 128>::PARTS;
     let mut told = 0;
     for across in 0..parts[0] {
@@ -92,6 +94,32 @@ fn every_part_tells_the_offset_that_is_there() {
     // Of a part of 13 x 16 px three blocks at most tell.
     assert!(told > 20, "{told}");
     assert_eq!(found.rows_q16(parts), None);
+}
+
+#[test]
+fn what_moved_between_the_views_is_a_contradiction() {
+    let [left, mut right] = views(Ramp::default());
+    let [_, moved] = views(Ramp { rows_q16: 3 * 65_536, ..Ramp::default() });
+    // What stands in the middle moved by three rows before the right camera looked.
+    for (right, moved) in right.chunks_mut(128).zip(moved.chunks(128)) {
+        right[40..88].copy_from_slice(&moved[40..88]);
+    }
+    let found = align(&[left, right], &[]);
+    assert_eq!(found.verdict(), Verdict::Contradictory, "{found:?}");
+}
+
+#[test]
+fn frames_that_jump_are_a_contradiction() {
+    let of = |rows_q16: i32| views(Ramp { rows_q16, ..Ramp::default() });
+    let verdict = |others: [i32; 2]| {
+        let [one, two] = others.map(of);
+        let found = *aligned(&[&of(0), &one, &two], &[]).estimate();
+        (found.verdict(), found.spread_q16)
+    };
+    let (still, spread) = verdict([0; 2]);
+    assert_eq!((still, spread), (Verdict::Observable, 0));
+    let (jumping, spread) = verdict([30_000, -30_000]);
+    assert_eq!(jumping, Verdict::Contradictory, "{spread}");
 }
 
 #[test]

@@ -182,7 +182,7 @@ impl<const ROWS: usize, const WIDTH: usize> Rectifier<ROWS, WIDTH> {
     }
 
     /// The three newest rows of either view as they came, if they are there and what comes out is interpolated.
-    pub(super) fn newest_three(&self) -> Option<[[&[u8]; 3]; 2]> {
+    pub(crate) fn newest_three(&self) -> Option<[[&[u8]; 3]; 2]> {
         if self.lenses.is_none() && !self.ramp.is_between_rows() {
             return None;
         }
@@ -194,7 +194,7 @@ impl<const ROWS: usize, const WIDTH: usize> Rectifier<ROWS, WIDTH> {
     }
 
     /// Rows of this frame that came or were missed.
-    pub(super) const fn came(&self) -> u32 {
+    pub(crate) const fn came(&self) -> u32 {
         self.came
     }
 

@@ -4,7 +4,6 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Result, ensure};
 use haarline::Config;
-use haarline::align::{Order, Verdict};
 use haarline_rig::Description;
 use serde::Serialize;
 
@@ -15,7 +14,7 @@ use crate::input::rig_file;
 use crate::output::claims::Claims;
 use crate::output::colour_range::ColourRange;
 use crate::output::{self, picture};
-use crate::rig::align::{Displacement, Parts, align_parts, steps};
+use crate::rig::align::{Displacement, Parts, align_parts, order_name, steps, verdict_name};
 use crate::rig::align_picture;
 use crate::rig::check::{Advice, Checked, Seen};
 use crate::rig::check_page::{Picture, page};
@@ -172,17 +171,8 @@ impl Summary {
         Self {
             frames: checked.seen.frames,
             damaged,
-            verdict: match checked.estimate.verdict() {
-                Verdict::Observable => "observable",
-                Verdict::NotObservable => "not observable",
-                Verdict::OutOfRange => "out of range",
-            },
-            order: match checked.estimate.order() {
-                Order::AsGiven => "as given",
-                Order::Swapped => "swapped",
-                Order::Contradictory => "contradictory",
-                Order::NotObservable => "not observable",
-            },
+            verdict: verdict_name(checked.estimate.verdict()),
+            order: order_name(checked.estimate.order()),
             row_error: round(rows),
             roll_deg: round(roll_deg),
             scale_percent: round(scale_percent),
