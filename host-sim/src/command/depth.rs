@@ -105,14 +105,14 @@ struct DepthSummary {
 
 impl Args {
     pub(super) fn run(self) -> Result<()> {
-        let rig = self.depth.rig(&self.rig, &self.search)?;
+        let pair = self.read_pair()?;
+        let rig = self.depth.rig(&self.rig, &self.search, Some([pair.width(), pair.height()]))?;
         let geometry = self.depth.geometry(rig.as_ref())?;
         let max_depth_m = self.depth.max_depth_m(geometry.as_ref())?;
         let method = self.method.get()?;
         let min_confidence = self.fill.least(&self.min_confidence, method.kind)?;
         let files = self.files()?;
         self.check_outputs(&files, geometry.is_some())?;
-        let pair = self.read_pair()?;
         let config = match &rig {
             Some(rig) => {
                 rig_file::check_size(rig, [pair.width(), pair.height()])?;

@@ -127,16 +127,17 @@ impl Args {
         self.search.config(Config::MAX_WIDTH)?;
         let step = usize::try_from(self.every).ok().filter(|&step| step > 0);
         let step = step.with_context(|| format!("--every {}: must be 1 or more", self.every))?;
-        let rig = self.depth.rig(&self.rig, &self.search)?;
+        let mut source = self.source(self.rig.description()?.as_ref())?;
+        let claims = self.claims(&source);
+        let recorded = source.choose(self.frames.unwrap_or_default(), step)?;
+        let size = source.size(self.depth.shrink);
+        let rig = self.depth.rig(&self.rig, &self.search, size.map(|(width, height)| [width.into(), height]))?;
         let free_beyond_mm = self.free_beyond_mm()?;
         if let (Some(rig), Some(_)) = (&rig, &self.mavlink) {
             warn_of_pace(rig.frame_rate_hz);
         }
         let files = self.files(rig.as_ref())?;
-        let mut source = self.source(rig.as_ref())?;
-        let claims = self.claims(&source);
-        let recorded = source.choose(self.frames.unwrap_or_default(), step)?;
-        let format = match source.size(self.depth.shrink) {
+        let format = match size {
             Some((width, height)) => {
                 if let Some(rig) = &rig {
                     rig_file::check_size(rig, [width.into(), height])?;
@@ -215,10 +216,6 @@ impl Args {
             let frames = find_frames(&self.recording, self.layout.get(self.wiring.first_with(rig))?)?;
             return Ok(Source::recorded(frames, shrink));
         };
-        if let Some(rig) = rig {
-            let (width, height) = (shrink.of(size.width.into()), shrink.of(size.height.into()));
-            rig_file::check_size(rig, [width as usize, height as usize])?;
-        }
         let format = RawFormat { size, wiring: self.wiring.get_with(rig)? };
         if RawStream::is_one(&self.recording) {
             return Source::stream(&self.recording, format, shrink);

@@ -159,7 +159,7 @@ struct Summary {
 impl Args {
     pub(super) fn run(self) -> Result<()> {
         let min_confidence = self.min_confidence.get(Some(self.method))?;
-        let rig = self.rig.read(&self.search, [None; 2], Shrink::NONE)?;
+        let rig = self.rig.read(&self.search, [None; 2], Shrink::NONE, None)?;
         let footage = self.read(rig.as_ref())?;
         let ViewSize { width, height } = footage.format.size;
         let (width, height) = (usize::from(width), usize::from(height));

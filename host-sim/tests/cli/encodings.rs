@@ -166,6 +166,15 @@ fn wide_views_are_shrunk_on_request_and_the_rig_follows() {
     let told = bench.succeeds("depth l.png r.png --rig rig.toml --shrink 2 --json").json();
     let told = ["width", "height", "num_disparities", "focal_px"].map(|key| told[key].as_f64().unwrap() as usize);
     assert_eq!(told, [WIDTH, HEIGHT, 16, 100]);
+    // A rig of the small views' size is theirs already.
+    write_rig(&bench, &[("width", WIDTH), ("height", HEIGHT), ("num_disparities", 16), ("focal_px", 100)]);
+    let told = bench.succeeds("depth l.png r.png --rig rig.toml --shrink 2 --json").json();
+    let told = ["width", "height", "num_disparities", "focal_px"].map(|key| told[key].as_f64().unwrap() as usize);
+    assert_eq!(told, [WIDTH, HEIGHT, 16, 100]);
+    bench.write("take/left/a.png", bench.read("l.png"));
+    bench.write("take/right/a.png", bench.read("r.png"));
+    bench.succeeds("play take --rig rig.toml --shrink 2 -o out");
+    bench.refuses("depth l.png r.png --rig rig.toml", &["its width and height are"]);
     let wide = Pair::shifted(1600, 4, 0);
     wide.write_as(&bench, "wl.png", "wr.png");
     bench.refuses("depth wl.png wr.png -o map.pfm", &["1600 px", "32 to 1280", "--shrink 2"]);

@@ -200,3 +200,54 @@ fn what_is_missing_wrong_or_of_another_kind_is_named() {
     bench.refuses("rig show rig.toml", &["OpenCV", "rig import"]);
     bench.refuses("rig import left.yaml left.yaml -o left.yaml", &["one of the files that are read"]);
 }
+
+#[test]
+fn files_that_do_not_belong_together_are_named() {
+    let bench = Bench::new();
+    bench.write("cam0.yaml", sensor(0.0));
+    bench.write("cam1.yaml", sensor(0.11));
+    bench.write("chain.yaml", KALIBR.replace("MODEL", "radtan"));
+    bench.write("left.yaml", ros(0.0));
+    bench.write("right.yaml", ros(-57.6));
+    bench.write("opencv.yml", OPENCV);
+    let refuses = |files: &str, told: &[&str]| bench.refuses(&format!("rig import {files} -o rig.toml"), told);
+    refuses(
+        "cam0.yaml chain.yaml",
+        &["the first is an EuRoC sensor.yaml, the second a Kalibr camchain", "of one kind"],
+    );
+    refuses("opencv.yml left.yaml", &["the first is a file of OpenCV's, the second a ROS camera_info file"]);
+    refuses("left.yaml left.yaml", &["both files tell the same"]);
+    refuses("cam1.yaml cam1.yaml", &["both files tell the same"]);
+    bench.write("other.yaml", KALIBR.replace("MODEL", "equidistant"));
+    refuses("chain.yaml other.yaml", &["a Kalibr camchain tells of both cameras: give it alone"]);
+    bench.write("list.xml", "<?xml version=\"1.0\"?>\n<opencv_storage>\n<imagelist>\n\"left01.jpg\"\n\"right01.jpg\"\n</imagelist>\n</opencv_storage>\n");
+    refuses("list.xml", &["list.xml", "is a list of pictures", "intrinsics.yml"]);
+    bench.write(
+        "right.yaml",
+        ros(-57.6).replace("plumb_bob", "equidistant").replace("0.0, 0.0, 0.0, 0.0, 0.0", "0.0, 0.0, 0.0, 0.0"),
+    );
+    refuses("left.yaml right.yaml", &["right.yaml", "the lenses are of two models"]);
+    assert!(!bench.path("rig.toml").exists());
+}
+
+#[test]
+fn what_a_camera_lacks_is_told_by_its_name() {
+    let bench = Bench::new();
+    bench.write("cam0.yaml", sensor(0.0));
+    let refuses = |file: &str, text: String, files: &str, told: &[&str]| {
+        bench.write(file, text);
+        bench.refuses(&format!("rig import {files} -o rig.toml"), told);
+    };
+    let lens = sensor(0.11).lines().find(|line| line.starts_with("distortion_coefficients")).unwrap().to_owned();
+    let two = sensor(0.11).replace(&lens, "distortion_coefficients: [-0.1, 0.01]");
+    let told = ["the right camera", "distortion_coefficients: has 2 coefficients, where radial-tangential has 4"];
+    refuses("cam1.yaml", two, "cam0.yaml cam1.yaml", &told);
+    let none = sensor(0.11).replace(&lens, "");
+    refuses("cam1.yaml", none, "cam0.yaml cam1.yaml", &["the right camera", "distortion_coefficients is missing"]);
+    let text = r#"{"K1": "abc", "K2": [[500,0,314],[0,500,244],[0,0,1]], "R": [[1,0,0],[0,1,0],[0,0,1]], "T": [-60,0,0], "size": [640,480]}"#;
+    refuses("c.json", text.to_owned(), "c.json", &["K1", "holds something that is no number"]);
+    // 640 x 480 is no multiple of 7.
+    bench.write("cam1.yaml", sensor(0.11));
+    let told = bench.succeeds("rig import cam0.yaml cam1.yaml --shrink 7 -o rig.toml").stdout;
+    assert!(told.contains("lack the last 3 columns and 4 rows"), "{told}");
+}

@@ -21,15 +21,20 @@ pub(in crate::command) struct DepthOptions {
     #[arg(long, value_name = "M", allow_hyphen_values = true, value_parser = number)]
     max_depth: Option<f64>,
     /// Makes one pixel, their mean, of K x K of both views, 1 to 8; focal length and rig are those of the views as
-    /// they are and follow, the options of the search mean the small ones
+    /// they are and follow (a rig of the small views' size is theirs), the options of the search mean the small ones
     #[arg(long, value_name = "K", default_value = "1", hide_default_value = true)]
     pub(in crate::command) shrink: Shrink,
 }
 
 impl DepthOptions {
-    /// The rig, with the values of these options where they tell some.
-    pub(in crate::command) fn rig(&self, rig: &RigArg, search: &SearchRange) -> Result<Option<Description>> {
-        rig.read(search, [self.focal_px, self.baseline_mm], self.shrink)
+    /// The rig, with the values of these options where they tell some; of shrunken views of `size`, if that is known.
+    pub(in crate::command) fn rig(
+        &self,
+        rig: &RigArg,
+        search: &SearchRange,
+        size: Option<[usize; 2]>,
+    ) -> Result<Option<Description>> {
+        rig.read(search, [self.focal_px, self.baseline_mm], self.shrink, size)
     }
 
     /// Focal length and baseline, if they are known; `rig` has what the options told already.

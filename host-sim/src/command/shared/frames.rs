@@ -86,7 +86,10 @@ pub(in crate::command) fn readable(frames: Vec<RecordedFrame>) -> Result<(Vec<Re
     let is_readable = |frame: &RecordedFrame| match frame.read() {
         Ok(_) => true,
         Err(error) => {
-            warn_skipped(frame.index, &format!("{error:#}"));
+            // Of one frame alone the refusal tells it.
+            if recorded > 1 {
+                warn_skipped(frame.index, &format!("{error:#}"));
+            }
             last_error = Some(error);
             false
         }
@@ -98,7 +101,8 @@ pub(in crate::command) fn readable(frames: Vec<RecordedFrame>) -> Result<(Vec<Re
             let damaged = recorded - frames.len();
             Ok((frames, damaged, middle))
         }
-        (None, Some(error)) => Err(error.context("no frame can be read")),
+        (None, Some(error)) if recorded == 1 => Err(error),
+        (None, Some(_)) => bail!("none of {recorded} frames can be read"),
         (None, None) => bail!("there is no frame"),
     }
 }

@@ -24,18 +24,29 @@ impl RigArg {
         self.rig.as_ref()
     }
 
+    /// The description as the file has it, if there is one.
+    pub(in crate::command) fn description(&self) -> Result<Option<Description>> {
+        self.rig.as_deref().map(rig_file::read).transpose()
+    }
+
     /// The description, if there is one, with the search range, focal length in px and baseline in mm of the
-    /// options where these tell some.
+    /// options where these tell some: of views of `size` once they are shrunk, if that is known.
     pub(in crate::command) fn read(
         &self,
         search: &SearchRange,
         [focal_px, baseline_mm]: [Option<f64>; 2],
         shrink: Shrink,
+        size: Option<[usize; 2]>,
     ) -> Result<Option<Description>> {
-        let Some(path) = &self.rig else { return Ok(None) };
-        let mut rig = rig_file::read(path)?;
-        rig.focal_px = focal_px.unwrap_or(rig.focal_px);
-        rig = rig_file::shrunk(&rig, shrink);
+        let (Some(path), Some(mut rig)) = (&self.rig, self.description()?) else { return Ok(None) };
+        // One that was imported for the small views is theirs already.
+        let is_small = size == Some([rig.width, rig.height].map(usize::from)) && shrink != Shrink::NONE;
+        if let Some(focal_px) = focal_px {
+            rig.focal_px = if is_small { focal_px / f64::from(shrink.factor()) } else { focal_px };
+        }
+        if !is_small {
+            rig = rig_file::shrunk(&rig, shrink);
+        }
         let config = search.or(&rig).config(rig.width)?;
         (rig.min_disparity, rig.num_disparities) = (config.min_disparity, config.num_disparities);
         rig.baseline_mm = baseline_mm.unwrap_or(rig.baseline_mm);

@@ -11,7 +11,7 @@ use nalgebra::{Matrix3, Vector2, Vector3};
 pub fn radial(name: &str, coefficients: &[f64]) -> Result<Lens> {
     let count = coefficients.len();
     ensure!(
-        [0, 2, 4, 5, 8, 12, 14].contains(&count),
+        [0, 4, 5, 8, 12, 14].contains(&count),
         "{name}: has {count} coefficients, where OpenCV's model has 4, 5, 8, 12 or 14"
     );
     ensure!(

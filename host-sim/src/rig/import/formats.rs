@@ -15,32 +15,64 @@ type Tree = Map<String, Value>;
 /// Matrices by their names in small letters without anything between.
 struct Matrices(BTreeMap<String, Vec<f64>>);
 
+/// What kind of file a document is, by the names in it; OpenCV's without a sign of another.
+#[must_use]
+pub fn kind(document: &Document) -> &'static str {
+    match document {
+        Document::Lines(lines) if lines.contains_key("cam0") => "a Middlebury calib.txt",
+        Document::Lines(_) => "a KITTI calibration",
+        Document::Tree(tree) if is_ros(tree) => ROS,
+        Document::Tree(tree) if tree.contains_key("T_BS") => EUROC,
+        Document::Tree(tree) if tree.contains_key("cam0") => "a Kalibr camchain",
+        Document::Tree(tree) if is_image_list(tree) => "a list of pictures",
+        Document::Tree(_) => "a file of OpenCV's",
+    }
+}
+
+const ROS: &str = "a ROS camera_info file";
+const EUROC: &str = "an EuRoC sensor.yaml";
+
 /// The calibration that the files together tell.
 ///
 /// # Errors
 /// Names the kind of file, and what is missing or not read.
 pub fn calibration(documents: &[Document]) -> Result<Calibration> {
+    if let [first, second] = documents {
+        let kinds = [kind(first), kind(second)];
+        ensure!(kinds[0] == kinds[1], "the first is {}, the second {}: give files of one kind", kinds[0], kinds[1]);
+        ensure!(first != second, "both files tell the same: give the left camera's and the right one's");
+    }
     match documents {
         [Document::Lines(lines)] if lines.contains_key("cam0") => middlebury(lines),
         [Document::Lines(lines)] => kitti(lines),
-        [Document::Tree(tree)] if tree.contains_key("cam0") => kalibr(tree),
-        [Document::Tree(tree)] if is_ros(tree) => {
-            bail!("is a ROS camera_info file of one camera: give both, the left one first")
+        [Document::Tree(tree)] if kind(&documents[0]) == "a Kalibr camchain" => kalibr(tree),
+        [one] if [ROS, EUROC].contains(&kind(one)) => {
+            bail!("is {} of one camera: give both, the left one first", kind(one))
         }
-        [Document::Tree(tree)] if tree.contains_key("T_BS") => {
-            bail!("is an EuRoC sensor.yaml of one camera: give both, the left one first")
-        }
-        [Document::Tree(left), Document::Tree(right)] if is_ros(left) && is_ros(right) => ros(left, right),
-        [Document::Tree(left), Document::Tree(right)] if left.contains_key("T_BS") && right.contains_key("T_BS") => {
-            euroc(left, right)
-        }
-        [Document::Lines(_), ..] | [_, Document::Lines(_)] => bail!("Middlebury's and KITTI's files are given alone"),
-        _ => opencv(documents),
+        [Document::Tree(left), Document::Tree(right)] if is_ros(left) => ros(left, right),
+        [Document::Tree(left), Document::Tree(right)] if left.contains_key("T_BS") => euroc(left, right),
+        [Document::Tree(tree), ..] if is_image_list(tree) => bail!(
+            "is a list of pictures: calibrate with it, and give what that wrote (OpenCV's stereo_calib: intrinsics.yml and extrinsics.yml)"
+        ),
+        [Document::Tree(tree), ..] if !tree.contains_key("cam0") => opencv(documents),
+        [one, ..] => bail!("{} tells of both cameras: give it alone", kind(one)),
+        [] => bail!("no file"),
     }
 }
 
 fn is_ros(tree: &Tree) -> bool {
     tree.contains_key("projection_matrix") && tree.contains_key("camera_matrix")
+}
+
+/// The input of OpenCV's `stereo_calib`.
+fn is_image_list(tree: &Tree) -> bool {
+    ["images", "imagelist"].into_iter().any(|name| tree.contains_key(name))
+        && !tree.keys().any(|key| CAMERA.as_flattened().contains(&plain(key).as_str()))
+}
+
+/// A name in small letters without anything between.
+fn plain(name: &str) -> String {
+    name.to_lowercase().replace(['_', '-', ' '], "")
 }
 
 fn list(tree: &Tree, name: &str, count: usize) -> Result<Vec<f64>> {
@@ -62,21 +94,27 @@ fn size(values: &[f64]) -> Option<[u32; 2]> {
 }
 
 /// The lens of a model by the name that ROS, Kalibr and EuRoC give it.
-fn lens(model: &str, coefficients: &[f64]) -> Result<Lens> {
-    match model {
-        "plumb_bob" | "rational_polynomial" | "radtan" | "radial-tangential" | "none" => {
-            radial("the distortion", if model == "none" { &[] } else { coefficients })
-        }
-        "equidistant" | "fisheye" => {
-            let four = coefficients.try_into().ok();
-            Ok(Lens::Equidistant(
-                four.with_context(|| format!("{model}: has {} coefficients, not 4", coefficients.len()))?,
-            ))
-        }
+fn lens(model: &str, name: &str, coefficients: &[f64]) -> Result<Lens> {
+    let counts: &[usize] = match model {
+        "none" => return radial(name, &[]),
+        "plumb_bob" => &[5, 4],
+        "rational_polynomial" => &[8, 12, 14],
+        "radtan" | "radial-tangential" | "equidistant" | "fisheye" => &[4],
         other => bail!(
             "the lens model {other} is not read: calibrate with a pinhole model, radial-tangential (plumb_bob, radtan) or equidistant"
         ),
+    };
+    let count = coefficients.len();
+    ensure!(counts.contains(&count), "{name}: has {count} coefficients, where {model} has {}", counts[0]);
+    match <[f64; 4]>::try_from(coefficients) {
+        Ok(four) if ["equidistant", "fisheye"].contains(&model) => Ok(Lens::Equidistant(four)),
+        _ => radial(name, coefficients),
     }
+}
+
+/// The coefficients of a lens under that name.
+fn coefficients(tree: &Tree, name: &str) -> Result<Vec<f64>> {
+    numbers(name, tree.get(name).with_context(|| format!("{name} is missing"))?)
 }
 
 /// The left camera's place, as the right one sees it, must be on its left.
@@ -106,17 +144,11 @@ fn check_rotation(name: &str, rotation: &Matrix3<f64>) -> Result<()> {
 impl Matrices {
     fn add(&mut self, prefix: &str, tree: &Tree) {
         for (key, value) in tree {
-            let name = format!("{prefix}{}", key.to_lowercase().replace(['_', '-', ' '], ""));
+            let name = format!("{prefix}{}", plain(key));
             match value {
                 Value::Object(inner) if !inner.contains_key("data") => self.add(&name, inner),
-                _ => {
-                    // A NaN among words that nobody asks for is not looked at.
-                    if let Ok(found) = numbers(key, value) {
-                        self.0.insert(name, found);
-                    } else if let Value::Array(_) | Value::Object(_) = value {
-                        self.0.insert(name, vec![f64::NAN]);
-                    }
-                }
+                // What is no number is told where it is asked for.
+                _ => _ = self.0.insert(name, numbers(key, value).unwrap_or_else(|_| vec![f64::NAN])),
             }
         }
     }
@@ -254,13 +286,8 @@ fn of_rectification(left: Camera, right: Camera, r1: Matrix3<f64>, r2: Matrix3<f
 
 fn ros(left: &Tree, right: &Tree) -> Result<Calibration> {
     let camera = |tree: &Tree| -> Result<Camera> {
-        let coefficients =
-            numbers("distortion_coefficients", tree.get("distortion_coefficients").unwrap_or(&Value::Null))?;
-        Camera::new(
-            "camera_matrix",
-            &list(tree, "camera_matrix", 9)?,
-            lens(word(tree, "distortion_model")?, &coefficients)?,
-        )
+        let (name, model) = ("distortion_coefficients", word(tree, "distortion_model")?);
+        Camera::new("camera_matrix", &list(tree, "camera_matrix", 9)?, lens(model, name, &coefficients(tree, name)?)?)
     };
     let sides = |tree: &Tree| -> Result<Vec<f64>> {
         Ok([list(tree, "image_width", 1)?, list(tree, "image_height", 1)?].concat())
@@ -271,7 +298,8 @@ fn ros(left: &Tree, right: &Tree) -> Result<Calibration> {
     let rectified = Rectified::of_projections(&left_projection?, &right_projection?)?;
     let turns = [left, right].map(|tree| list(tree, "rectification_matrix", 9).map(|values| matrix3(&values)));
     let [r1, r2] = turns;
-    let raw = of_rectification(camera(left)?, camera(right)?, r1?, r2?, rectified.baseline)?;
+    let (one, other) = (camera(left).context(LEFT)?, camera(right).context(RIGHT)?);
+    let raw = of_rectification(one, other, r1?, r2?, rectified.baseline)?;
     let size = size(&sides(left)?);
     Ok(Calibration {
         kind: "ROS camera_info pair",
@@ -283,19 +311,22 @@ fn ros(left: &Tree, right: &Tree) -> Result<Calibration> {
 }
 
 /// A pinhole camera as Kalibr and EuRoC write it.
-fn pinhole(tree: &Tree, coefficients: &str) -> Result<Camera> {
+fn pinhole(tree: &Tree, name: &str) -> Result<Camera> {
     let model = word(tree, "camera_model")?;
     ensure!(model == "pinhole", "the camera model {model} is not read: calibrate with pinhole");
     let k = list(tree, "intrinsics", 4)?;
     let distortion = word(tree, "distortion_model")?;
-    let found = numbers(coefficients, tree.get(coefficients).unwrap_or(&Value::Null));
-    let found = if distortion == "none" { Vec::new() } else { found? };
-    Camera::new("intrinsics", &[k[0], 0.0, k[2], 0.0, k[1], k[3], 0.0, 0.0, 1.0], lens(distortion, &found)?)
+    let found = if distortion == "none" { Vec::new() } else { coefficients(tree, name)? };
+    Camera::new("intrinsics", &[k[0], 0.0, k[2], 0.0, k[1], k[3], 0.0, 0.0, 1.0], lens(distortion, name, &found)?)
 }
 
 fn matrix4(tree: &Tree, name: &str) -> Result<Matrix4<f64>> {
     Ok(Matrix4::from_row_slice(&list(tree, name, 16)?))
 }
+
+/// Whose file of two it is.
+const LEFT: &str = "the left camera";
+const RIGHT: &str = "the right camera";
 
 /// The raw cameras from the left one's coordinates in the right one's.
 fn of_transform(left: Camera, right: Camera, transform: &Matrix4<f64>) -> Result<Raw> {
@@ -311,7 +342,9 @@ fn kalibr(tree: &Tree) -> Result<Calibration> {
     let cam0 = camera("cam0").context("cam0 is no camera")?;
     let cam1 = camera("cam1").context("is a Kalibr camchain of one camera: cam1 is missing")?;
     let transform = matrix4(cam1, "T_cn_cnm1")?;
-    let (first, second) = (pinhole(cam0, "distortion_coeffs")?, pinhole(cam1, "distortion_coeffs")?);
+    let [first, second] =
+        [("cam0", cam0), ("cam1", cam1)].map(|(name, tree)| pinhole(tree, "distortion_coeffs").context(name));
+    let (first, second) = (first?, second?);
     // The chain's order is not always from left to right.
     let raw = if transform[(0, 3)] > 0.0 {
         let back = transform.try_inverse().context("T_cn_cnm1: cannot be inverted")?;
@@ -333,7 +366,7 @@ fn euroc(left: &Tree, right: &Tree) -> Result<Calibration> {
     ensure!(one == other, "the two sensor.yaml tell of images of different size");
     let cameras = [left, right].map(|tree| pinhole(tree, "distortion_coefficients"));
     let [first, second] = cameras;
-    let raw = of_transform(first?, second?, &(back * to_left?))?;
+    let raw = of_transform(first.context(LEFT)?, second.context(RIGHT)?, &(back * to_left?))?;
     Ok(Calibration {
         kind: "EuRoC sensor.yaml pair",
         size: size(&one),

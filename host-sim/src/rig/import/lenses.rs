@@ -25,6 +25,10 @@ const GRID: [u32; 2] = [12, 4];
 /// # Errors
 /// If the cameras do not see the same.
 pub fn of_raw(raw: &Raw, size: [u32; 2], residuals: &Pinhole) -> Result<(Pinhole, [CameraModel; 2])> {
+    ensure!(
+        std::mem::discriminant(&raw.left.lens) == std::mem::discriminant(&raw.right.lens),
+        "the lenses are of two models: calibrate both cameras with one of them"
+    );
     let turns = turns(raw)?;
     let cameras = [(&raw.left, turns[0]), (&raw.right, turns[1])];
     let models = cameras.map(|(camera, turn)| CameraModel {

@@ -40,6 +40,8 @@ pub struct Imported {
     pub kind: &'static str,
     /// Columns and rows of a view, px.
     pub size: [u32; 2],
+    /// Columns and rows of the calibrated pictures that fill no pixel of the smaller frames.
+    pub cut: [u32; 2],
     /// The rig.
     pub rig: Pinhole,
     /// Distance of the cameras, mm.
@@ -85,8 +87,9 @@ fn of_calibration(calibration: &Calibration, options: &Options) -> Result<Import
             if plain.row_residual[1].max(plain.column_residual[1]) <= MOST_LEFT {
                 (plain, false, None)
             } else {
-                let (rig, cameras) = lenses::of_raw(&shrunk, small, &plain)?;
-                (rig, false, Some(cameras))
+                // Those of the pictures that were calibrated, so that views shrunk now or later are rectified alike.
+                let (rig, cameras) = lenses::of_raw(raw, size, &plain)?;
+                (rig.shrunk(by), false, Some(cameras.map(|camera| camera.shrunk(by))))
             }
         }
         (_, Some(rectified)) => (pinhole::of_rectified(&rectified.shrunk(by)), true, None),
@@ -102,6 +105,7 @@ fn of_calibration(calibration: &Calibration, options: &Options) -> Result<Import
     Ok(Imported {
         kind: calibration.kind,
         size: small,
+        cut: size.map(|px| px % options.shrink),
         rig,
         baseline_mm: rig.baseline * unit_mm,
         is_rectified,
@@ -131,13 +135,9 @@ fn unit_of(baseline: f64) -> Option<f64> {
 /// What kind of calibration file that is no rig description is, to tell a user who mixed them up.
 #[must_use]
 pub fn kind_of(path: &Path) -> Option<&'static str> {
-    use document::Document::{Lines, Tree};
-    match document::read(path).ok()? {
-        Lines(lines) if lines.contains_key("cam0") => Some("a Middlebury calib.txt"),
-        Lines(_) => Some("a KITTI calibration"),
-        Tree(tree) if tree.contains_key("projection_matrix") => Some("a ROS camera_info file"),
-        Tree(tree) if tree.contains_key("T_BS") => Some("an EuRoC sensor.yaml"),
-        Tree(tree) if tree.contains_key("cam0") => Some("a Kalibr camchain"),
-        tree => formats::calibration(&[tree]).ok().map(|calibration| calibration.kind),
+    let document = document::read(path).ok()?;
+    match formats::kind(&document) {
+        "a file of OpenCV's" => formats::calibration(&[document]).ok().map(|calibration| calibration.kind),
+        kind => Some(kind),
     }
 }

@@ -34,6 +34,14 @@ pub struct Pinhole {
     pub column_residual: [f64; 2],
 }
 
+impl Pinhole {
+    /// The rectified views of one with lens tables, their sides `by` times smaller.
+    #[must_use]
+    pub fn shrunk(&self, by: f64) -> Self {
+        Self { focal_px: self.focal_px / by, axis: self.axis.map(|c| (c + 0.5) / by - 0.5), ..*self }
+    }
+}
+
 /// Of views that are rectified already nothing is missed.
 #[must_use]
 pub fn of_rectified(rectified: &Rectified) -> Pinhole {
