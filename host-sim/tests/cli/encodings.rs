@@ -167,6 +167,7 @@ fn wide_views_are_shrunk_on_request_and_the_rig_follows() {
     let told = ["width", "height", "num_disparities", "focal_px"].map(|key| told[key].as_f64().unwrap() as usize);
     assert_eq!(told, [WIDTH, HEIGHT, 16, 100]);
     // A rig of the small views' size is theirs already.
+    std::fs::remove_file(bench.path("rig.toml")).unwrap();
     write_rig(&bench, &[("width", WIDTH), ("height", HEIGHT), ("num_disparities", 16), ("focal_px", 100)]);
     let told = bench.succeeds("depth l.png r.png --rig rig.toml --shrink 2 --json").json();
     let told = ["width", "height", "num_disparities", "focal_px"].map(|key| told[key].as_f64().unwrap() as usize);
