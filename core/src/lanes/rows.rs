@@ -356,7 +356,7 @@ impl Window {
     }
 
     /// [`Self::sad`] by words.
-    #[cfg(any(not(any(haarline_dsp, haarline_sse2)), test))]
+    #[cfg(not(any(haarline_dsp, haarline_sse2)))]
     #[inline(always)]
     fn sad_by_words(self, other: Self) -> u32 {
         let ([a, b, c, d], [e, f, g, h]) = (self.0, other.0);
@@ -479,3 +479,7 @@ pub(crate) fn least_of_three(row: &[u32], byte: usize) -> u32 {
     // SAFETY: 1 <= byte and byte + 5 <= 4 * len.
     unsafe { super::min(super::min(word(row, byte - 1), word(row, byte)), word(row, byte + 1)) }
 }
+
+#[cfg(test)]
+#[allow(clippy::cast_possible_truncation, reason = "lanes are cut out of words by number")]
+mod tests;
