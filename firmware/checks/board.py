@@ -179,7 +179,7 @@ def self_test(rig):
 
 
 def scene(rig, frames):
-    first = rig.emulate("scene", frames)
+    first = rig.emulate("scene", frames, "--limit", 1000 * frames // rig.rate + 2000)
     first.clean(frames)
     second = rig.emulate("again", 6).rows
     # The second run ends before its last rows.

@@ -6,32 +6,18 @@
 
 #[cfg(haarline_dsp)]
 mod cortex_m;
-#[cfg(haarline_dsp)]
-mod cortex_m_column;
-#[cfg(haarline_dsp)]
-mod cortex_m_rows;
 #[cfg(any(not(any(haarline_dsp, haarline_sse2)), test))]
 #[cfg_attr(any(haarline_dsp, haarline_sse2), allow(dead_code, reason = "what the others are held against"))]
 mod portable;
 #[cfg(haarline_sse2)]
-pub(crate) mod quad;
-#[cfg(haarline_sse2)]
-mod x86_64;
-#[cfg(haarline_sse2)]
-mod x86_64_rows;
+pub(crate) mod x86_64;
 
 #[cfg(haarline_dsp)]
 pub(crate) use cortex_m::*;
-#[cfg(haarline_dsp)]
-pub(crate) use cortex_m_column::{decide_column, decide_pending};
-#[cfg(haarline_dsp)]
-use cortex_m_rows::*;
 #[cfg(not(any(haarline_dsp, haarline_sse2)))]
 pub(crate) use portable::*;
 #[cfg(haarline_sse2)]
 pub(crate) use x86_64::*;
-#[cfg(haarline_sse2)]
-use x86_64_rows::{gradient_across_fours, gradient_down_fours};
 
 pub(crate) mod answer_rows;
 #[cfg(feature = "packet")]

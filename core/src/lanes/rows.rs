@@ -11,7 +11,7 @@ use super::{add, sad_add, signed_add, signed_halved_sum, signed_sub, splat, sub,
 use super::{gradient_across_fours, gradient_down_fours};
 
 #[cfg(haarline_sse2)]
-pub(crate) use super::x86_64_rows::haar_peaks_of_pairs;
+pub(crate) use super::x86_64::rows::haar_peaks_of_pairs;
 
 /// Flips unsigned bytes, 0 to 255, to signed ones, -128 to 127, and back.
 pub(crate) const FLIP: u32 = 0x8080_8080;
@@ -267,7 +267,7 @@ pub(crate) fn tile_sad<const BLOCKS: usize>(
     }
     // SAFETY: checked above.
     #[cfg(haarline_sse2)]
-    return unsafe { super::x86_64_rows::tile_sad(left_rows, left, right_rows, right) };
+    return unsafe { super::x86_64::rows::tile_sad(left_rows, left, right_rows, right) };
     #[cfg(not(haarline_sse2))]
     tile_sad_by_words(left_rows, left, right_rows, right)
 }
@@ -350,7 +350,7 @@ impl Window {
         #[cfg(haarline_dsp)]
         return unsafe { super::window_sad_words::<WORDS>(&self.0, rows.as_ptr().cast::<u8>().add(byte)) };
         #[cfg(haarline_sse2)]
-        return super::x86_64_rows::sad_of_four(self.0, Self::of(rows, byte).0);
+        return super::x86_64::rows::sad_of_four(self.0, Self::of(rows, byte).0);
         #[cfg(not(any(haarline_dsp, haarline_sse2)))]
         self.sad_by_words(Self::of(rows, byte))
     }
@@ -415,7 +415,7 @@ pub(crate) fn mean_down(rows: [&[u32]; 5], mean: Mean, out: &mut [u32]) {
     let [a, b, c, d, e] = rows;
     assert!([a, b, c, d, e].iter().all(|row| row.len() == out.len()));
     #[cfg(haarline_sse2)]
-    let first = super::x86_64_rows::mean_down_fours(rows, mean, out);
+    let first = super::x86_64::rows::mean_down_fours(rows, mean, out);
     #[cfg(not(haarline_sse2))]
     let first = 0;
     for i in first..out.len() {
@@ -433,7 +433,7 @@ pub(crate) fn mean_across(row: &[u32], mean: Mean, out: &mut [u32]) {
     let last = out.len().saturating_sub(1);
     // SAFETY: the row has `4 * fours + 2` words and more.
     #[cfg(haarline_sse2)]
-    let first = by_fours(out.len(), |fours| unsafe { super::x86_64_rows::mean_across_fours(row, mean, out, fours) });
+    let first = by_fours(out.len(), |fours| unsafe { super::x86_64::rows::mean_across_fours(row, mean, out, fours) });
     #[cfg(not(haarline_sse2))]
     let first = 1;
     match mean {

@@ -2,8 +2,8 @@
 #![allow(clippy::cast_possible_truncation, reason = "labels and merits have 8 bits, values 16")]
 
 use super::{Cell, HALF, MOST_MARGIN};
-use crate::lanes::quad::Quad;
 use crate::lanes::splat;
+use crate::lanes::x86_64::quad::Quad;
 
 /// All bits of the first lane of each word that is 0.
 #[inline(always)]

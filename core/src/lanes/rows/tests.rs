@@ -3,7 +3,7 @@
 use super::*;
 use crate::lanes::portable;
 #[cfg(haarline_sse2)]
-use crate::lanes::x86_64_rows::haar_peaks_of_pairs;
+use crate::lanes::x86_64::rows::haar_peaks_of_pairs;
 
 const WORDS: usize = 23;
 type Row = [u32; WORDS];

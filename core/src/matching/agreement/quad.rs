@@ -1,7 +1,7 @@
 //! The same for four cells at once.
 
 use super::Penalties;
-use crate::lanes::quad::Quad;
+use crate::lanes::x86_64::quad::Quad;
 use crate::lanes::{ONES, splat};
 
 /// [`Penalties`], in all lanes.

@@ -4,7 +4,7 @@
 use super::{Paths, TileColumns};
 use crate::answer::cell::quad::{first_zero_lane, winners};
 use crate::answer::cell_row::CellRow;
-use crate::lanes::quad::Quad;
+use crate::lanes::x86_64::quad::Quad;
 use crate::matching::agreement::Penalties;
 use crate::matching::agreement::quad::{QuadPenalties, extend, normalised};
 

@@ -1,7 +1,23 @@
-//! The operations as instructions of the DSP extension.
+//! The operations as instructions of the DSP extension, and kernels in pieces of assembly.
 #![expect(unsafe_code, reason = "instructions that the language has no other name for")]
 
 use core::arch::asm;
+
+mod answers;
+mod column;
+mod evidence;
+mod lens;
+mod rows;
+mod sads;
+mod sevens;
+
+pub(super) use answers::*;
+pub(crate) use column::{decide_column, decide_pending};
+pub(super) use evidence::*;
+pub(super) use lens::{copy_words, make_rows};
+pub(super) use rows::*;
+pub(super) use sads::*;
+pub(super) use sevens::*;
 
 macro_rules! operations {
     ($($(#[$doc:meta])* $name:ident = $instruction:literal;)*) => {$(

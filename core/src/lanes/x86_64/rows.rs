@@ -2,7 +2,7 @@
 #![expect(unsafe_code, reason = "sixteen bytes at byte offsets, without a check for each")]
 
 use super::quad::Quad;
-use super::rows::{FLIP, Mean};
+use crate::lanes::rows::{FLIP, Mean};
 
 /// Writes four words.
 #[inline(always)]

@@ -2,7 +2,11 @@
 //! from one operation to the next.
 #![cfg_attr(haarline_sse2, allow(dead_code, reason = "what goes word by word is held against the quads in tests"))]
 
-use super::quad::Quad;
+pub(crate) mod quad;
+pub(crate) mod rows;
+
+use quad::Quad;
+pub(super) use rows::{gradient_across_fours, gradient_down_fours};
 
 macro_rules! operations {
     ($($(#[$doc:meta])* $name:ident;)*) => {$(

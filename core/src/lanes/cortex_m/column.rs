@@ -4,7 +4,7 @@
 
 use core::arch::asm;
 
-use super::columns::{Column, Decided, Steps};
+use crate::lanes::columns::{Column, Decided, Steps};
 
 /// The least lane of a register is subtracted from all.
 macro_rules! normalise {
