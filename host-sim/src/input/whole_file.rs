@@ -26,8 +26,15 @@ pub fn bytes(path: &Path, most: u64) -> Result<Vec<u8>> {
 /// # Errors
 /// If it cannot be read, is too long or no text. The file is named.
 pub fn text(path: &Path) -> Result<String> {
-    String::from_utf8(bytes(path, MAX_TEXT_BYTES)?)
-        .map_err(|_| anyhow!("{}: is no text, but bytes of some other kind", path.display()))
+    String::from_utf8(bytes(path, MAX_TEXT_BYTES)?).map_err(|error| {
+        let name = path.display();
+        match error.as_bytes() {
+            [0xff, 0xfe, ..] | [0xfe, 0xff, ..] => {
+                anyhow!("{name}: is no text in UTF-8, but in UTF-16: save it as UTF-8")
+            }
+            _ => anyhow!("{name}: is no text, but bytes of some other kind"),
+        }
+    })
 }
 
 #[cfg(test)]
@@ -43,8 +50,11 @@ mod tests {
         assert_eq!(bytes(&path, 16).unwrap().len(), 16);
         assert!(bytes(&path, 15).unwrap_err().to_string().contains("some.toml: has more"));
         assert_eq!(text(&path).unwrap(), "aaaaaaaaaaaaaaaa");
-        fs::write(&path, [0xff, 0xfe]).unwrap();
-        assert!(text(&path).unwrap_err().to_string().contains("some.toml: is no text"));
+        for (bytes, told) in [(&[0xff, 0xfe, b'a', 0][..], "in UTF-8, but in UTF-16"), (&[0xff, 0xd8], "bytes")] {
+            fs::write(&path, bytes).unwrap();
+            let refused = text(&path).unwrap_err().to_string();
+            assert!(refused.contains("some.toml: is no text") && refused.contains(told), "{refused}");
+        }
         assert!(text(&folder.path().join("none")).unwrap_err().to_string().contains("cannot be read"));
         #[cfg(unix)]
         assert!(text(Path::new("/dev/zero")).unwrap_err().to_string().contains("64 MB"));
