@@ -84,7 +84,7 @@ fn fields(imported: &Imported, before: Option<&Description>) -> Result<Vec<Field
         ("baseline_mm", format!("{baseline_mm:.3}")),
     ];
     match &imported.cameras {
-        Some(cameras) => fields.extend(camera_fields(cameras)?),
+        Some(cameras) => fields.extend(camera_fields(cameras)),
         None => ensure!(
             before.is_none_or(|before| before.cameras.is_none()),
             "the description of -o has lenses and the calibration needs none: write a new one"
@@ -96,16 +96,15 @@ fn fields(imported: &Imported, before: Option<&Description>) -> Result<Vec<Field
     Ok(fields)
 }
 
-fn camera_fields(cameras: &[CameraModel; 2]) -> Result<Vec<Field>> {
+fn camera_fields(cameras: &[CameraModel; 2]) -> Vec<Field> {
     let numbers =
         |values: &[f64]| format!("[{}]", values.iter().map(|v| format!("{v:?}")).collect::<Vec<_>>().join(", "));
-    let model = |lens: &Lens| match lens {
+    // The right one's is of the same model.
+    let model = match cameras[0].lens {
         Lens::Radial(_) => "radtan",
         Lens::Equidistant(_) => "equidistant",
     };
-    let [left, right] = cameras.each_ref().map(|camera| model(&camera.lens));
-    ensure!(left == right, "the lenses are of two models, {left} and {right}: calibrate both cameras with one of them");
-    let mut fields = vec![("lens", format!("\"{left}\""))];
+    let mut fields = vec![("lens", format!("\"{model}\""))];
     let names = [["left_camera", "left_lens", "left_turn"], ["right_camera", "right_lens", "right_turn"]];
     for (names, camera) in names.into_iter().zip(cameras) {
         let bent = match &camera.lens {
@@ -114,7 +113,7 @@ fn camera_fields(cameras: &[CameraModel; 2]) -> Result<Vec<Field>> {
         };
         fields.extend([(names[0], numbers(&camera.intrinsics)), (names[1], bent), (names[2], numbers(&camera.turn))]);
     }
-    Ok(fields)
+    fields
 }
 
 /// What lens tables need and how good they are.
@@ -134,11 +133,19 @@ fn text(
     is_update: bool,
     changes: &[String],
 ) -> Result<String> {
-    let Imported { kind, size, rig, baseline_mm, is_rectified, cameras } = imported;
+    let Imported { kind, calibrated_size, shrink, size, rig, baseline_mm, is_rectified, cameras } = imported;
     let mut text = format!(
         "{kind}: {}x{} px, focal length {:.2} px, cameras {baseline_mm:.2} mm apart\n",
         size[0], size[1], rig.focal_px
     );
+    let cut = calibrated_size.map(|px| px % shrink);
+    if cut != [0; 2] {
+        text += &format!(
+            "of {}x{} px, {} columns on the right and {} rows at the bottom fill no pixel and fall away, as depth --shrink leaves \
+             them out; for frames that are scaled without this cut the rig is wrong\n",
+            calibrated_size[0], calibrated_size[1], cut[0], cut[1]
+        );
+    }
     if *is_rectified {
         text += &format!("for rectified frames; doffs {:.3} px\n", rig.doffs);
     } else if cameras.is_some() {
