@@ -5,7 +5,8 @@ serial ports with what the host makes of the same bytes. Camera faults, a progra
 
 usage: firmware/checks/board.py [DATA [FRAMES]]
 
-With FRAMES only the scene is played, so many frames of it (300 take five minutes). DATA is the folder with qvga and stereoboard (default: $HAARLINE_DATA or ../shared/data beside the project). Needs pymavlink
+With FRAMES only the scene is played, so many frames of it (300 take six minutes), to the program built with
+`--profile firmware`. DATA is the folder with qvga and stereoboard (default: $HAARLINE_DATA or ../shared/data beside the project). Needs pymavlink
 (pip install pymavlink). ARM_TOOLCHAIN names a toolchain with the target thumbv7em-none-eabihf, if the usual one has it not. The
 emulator, a package of its own, takes some minutes to build for the first time.
 """
@@ -78,12 +79,12 @@ class Rig:
         self.width, self.height, self.rate = number("width"), number("height"), number("frame_rate_hz")
         self.method, self.elf, self.dump = "full", self.folder / "firmware.elf", self.folder / "dump.raw"
 
-    def build(self, program="firmware"):
+    def build(self, program="firmware", profile="release"):
         variables = {"RUSTUP_TOOLCHAIN": ARM_TOOLCHAIN} if ARM_TOOLCHAIN else {}
-        cargo("build", "--quiet", "-p", "haarline-firmware", "--release", "--target", TARGET, "--bin", program,
+        cargo("build", "--quiet", "-p", "haarline-firmware", "--profile", profile, "--target", TARGET, "--bin", program,
               target_dir=ARM_DIR, HAARLINE_RIG=str(self.description), HAARLINE_METHOD=self.method, **variables)
         # Kept: the next rig's program takes its place.
-        self.elf.write_bytes((ARM_DIR / TARGET / "release" / program).read_bytes())
+        self.elf.write_bytes((ARM_DIR / TARGET / profile / program).read_bytes())
 
     def host(self):
         """What the host makes of the dump: maps and messages."""
@@ -317,7 +318,7 @@ def checks(data, folder, only_frames=None):
     views = [data / "qvga" / SCENE / f"{view}.png" for view in ["left", "right"]]
     run(HAARLINE, "record", *views, "--wiring", "pairs14", "-o", plain.dump)
     if only_frames:
-        plain.build()
+        plain.build(profile="firmware")
         plain.host()
         yield f"two MT9V034, scene {SCENE}, 320x240, {frames} frames: maps, obstacles, log", lambda: scene(plain, frames)
         return

@@ -22,7 +22,7 @@ use crate::stereo::frame_check::FrameCheck;
 use crate::stereo::method::MethodKind;
 use crate::stereo::obstacles::{FrameObstacles, ObstacleFinder, ObstacleSummary};
 use crate::stereo::pipeline::{self, Run};
-use crate::{Geometry, StereoPair, input::rig_file};
+use crate::{Geometry, StereoPair};
 
 /// Arguments of `haarline depth`.
 #[derive(Debug, clap::Args)]
@@ -115,7 +115,7 @@ impl Args {
         self.check_outputs(&files, geometry.is_some())?;
         let config = match &rig {
             Some(rig) => {
-                rig_file::check_size(rig, [pair.width(), pair.height()])?;
+                self.rig.check_size(rig, self.depth.shrink, [pair.width(), pair.height()])?;
                 rig.config()
             }
             None => self.search.config(pair.width() as u16)?,

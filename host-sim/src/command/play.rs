@@ -19,7 +19,6 @@ use super::{Finding, number, print, whole_number};
 use crate::input::raw_dump::{RawFormat, ViewSize};
 use crate::input::raw_stream::RawStream;
 use crate::input::recording::{FrameRange, find_frames, find_raw_frames};
-use crate::input::rig_file;
 use crate::output::claims::Claims;
 use crate::output::map_file::MapKind;
 use crate::play::source::Source;
@@ -140,7 +139,7 @@ impl Args {
         let format = match size {
             Some((width, height)) => {
                 if let Some(rig) = &rig {
-                    rig_file::check_size(rig, [width.into(), height])?;
+                    self.rig.check_size(rig, self.depth.shrink, [width.into(), height])?;
                 }
                 let config = rig.as_ref().map_or_else(|| self.search.config(width), |rig| Ok(rig.config()))?;
                 Some((config, height))

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use anyhow::{Result, anyhow, ensure};
+use anyhow::{Result, anyhow, bail, ensure};
 use haarline_rig::Description;
 
 use super::frame::Shrink;
@@ -18,9 +18,11 @@ pub fn read(path: &Path) -> Result<Description> {
     ensure!(!path.is_dir(), "{name}: is a folder, where a rig description is expected");
     let text = whole_file::text(path)?;
     Description::parse(&text).map_err(|error| match import::kind_of(path) {
-        Some(kind) => {
+        Some(kind) if kind.is_of_rig() => {
+            let kind = kind.words();
             anyhow!("{name}: this is {kind}; haarline rig import {name} -o rig.toml makes a rig description of it")
         }
+        Some(kind) => anyhow!("{name}: this is {}, where a rig description is expected", kind.words()),
         None => anyhow!("{name}: {error}"),
     })
 }
@@ -57,9 +59,48 @@ pub fn check_size(description: &Description, [width, height]: [usize; 2]) -> Res
     let rig = [description.width, description.height].map(usize::from);
     ensure!(
         rig == [width, height],
-        "--rig: its width and height are {}x{} px, but the views are {width}x{height} px",
+        "--rig: its width and height are {}x{} px, but the views are {width}x{height} px{}",
         rig[0],
-        rig[1]
+        rig[1],
+        advice(rig, [width, height])
     );
     Ok(())
+}
+
+/// What to do about views of `views` px where those of a rig are of `rig` px.
+fn advice(rig: [usize; 2], views: [usize; 2]) -> String {
+    let times = |larger: [usize; 2], smaller| (2..=8).find(|k| larger.map(|px| px / k) == smaller);
+    if let Some(k) = times(rig, views) {
+        format!("; they are {k} times smaller: haarline rig import --shrink {k} makes a rig for them")
+    } else if let Some(k) = times(views, rig) {
+        format!(
+            "; they are {k} times larger: haarline rig import without --shrink, or with a smaller one, makes a rig for them"
+        )
+    } else if rig == [views[1], views[0]] {
+        "; they are turned by 90 degrees".to_owned()
+    } else {
+        "; the rig is that of other views: calibrate or import it at their size".to_owned()
+    }
+}
+
+/// Refuses shrunk views of another size than those of the rig in the file `path`, shrunk as they are.
+///
+/// # Errors
+/// Names the sizes before and after.
+pub fn check_shrunk_size(path: &Path, shrunk: &Description, shrink: Shrink, size: [usize; 2]) -> Result<()> {
+    let [width, height] = [shrunk.width, shrunk.height].map(usize::from);
+    if shrink == Shrink::NONE || [width, height] == size {
+        return check_size(shrunk, size);
+    }
+    let rig = read(path)?;
+    let k = shrink.factor();
+    let advice = advice([width, height], size);
+    bail!(
+        "--rig: its width and height are {}x{} px, with --shrink {k} {width}x{height} px, but the views are {}x{} px after \
+         --shrink {k}{advice}",
+        rig.width,
+        rig.height,
+        size[0],
+        size[1]
+    )
 }

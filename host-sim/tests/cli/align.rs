@@ -141,4 +141,23 @@ fn wrong_recordings_and_names_are_refused() {
     bench.write("take/right/b.png", b"no image");
     let outcome = bench.run("align take --json");
     assert_eq!((outcome.status, outcome.json()["damaged"].as_i64()), (0, Some(1)));
+    assert_eq!(outcome.stderr.matches("skipped").count(), 1, "{outcome:?}");
+}
+
+#[test]
+fn where_no_frame_can_be_read_each_is_told_once() {
+    let bench = Bench::new();
+    for (name, width) in [("a", 65), ("b", 66)] {
+        let [left, right] = ["left", "right"].map(|side| format!("take/{side}/{name}.png"));
+        Pair::shifted(64, 16, 4).write_as(&bench, &left, "other.png");
+        Pair::shifted(width, 16, 4).write_as(&bench, "other.png", &right);
+    }
+    for (line, frames) in [("align take --frames 1..", &["b"][..]), ("align take", &["a", "b"])] {
+        let outcome = bench.run(line);
+        assert_eq!((outcome.status, outcome.stderr.lines().count()), (2, frames.len()), "{outcome:?}");
+        assert!(outcome.stderr.lines().last().unwrap().starts_with("error: no frame can be read: "), "{outcome:?}");
+        for frame in frames {
+            assert_eq!(outcome.stderr.matches(&format!("take/left/{frame}.png is 64x16 px")).count(), 1, "{outcome:?}");
+        }
+    }
 }

@@ -99,8 +99,8 @@ fn fields(imported: &Imported, before: Option<&Description>) -> Result<Vec<Field
 fn camera_fields(cameras: &[CameraModel; 2]) -> Vec<Field> {
     let numbers =
         |values: &[f64]| format!("[{}]", values.iter().map(|v| format!("{v:?}")).collect::<Vec<_>>().join(", "));
-    // Both lenses are of one model.
-    let model = match &cameras[0].lens {
+    // The right one's is of the same model.
+    let model = match cameras[0].lens {
         Lens::Radial(_) => "radtan",
         Lens::Equidistant(_) => "equidistant",
     };
@@ -133,13 +133,18 @@ fn text(
     is_update: bool,
     changes: &[String],
 ) -> Result<String> {
-    let Imported { kind, size, cut, rig, baseline_mm, is_rectified, cameras } = imported;
+    let Imported { kind, calibrated_size, shrink, size, rig, baseline_mm, is_rectified, cameras } = imported;
     let mut text = format!(
         "{kind}: {}x{} px, focal length {:.2} px, cameras {baseline_mm:.2} mm apart\n",
         size[0], size[1], rig.focal_px
     );
-    if *cut != [0; 2] {
-        text += &format!("shrunken frames lack the last {} columns and {} rows\n", cut[0], cut[1]);
+    let cut = calibrated_size.map(|px| px % shrink);
+    if cut != [0; 2] {
+        text += &format!(
+            "of {}x{} px, {} columns on the right and {} rows at the bottom fill no pixel and fall away, as depth --shrink leaves \
+             them out; for frames that are scaled without this cut the rig is wrong\n",
+            calibrated_size[0], calibrated_size[1], cut[0], cut[1]
+        );
     }
     if *is_rectified {
         text += &format!("for rectified frames; doffs {:.3} px\n", rig.doffs);

@@ -33,6 +33,10 @@ impl Args {
         let rig = rig_file::read(&self.rig)?;
         let rectification = rig.rectification()?;
         let frames = self.frames.choose(&self.recording, Some(&rig), usize::MAX)?;
+        // That all views have another size is told once.
+        if let Some(Ok(pair)) = frames.get(frames.len() / 2).map(RecordedFrame::read) {
+            rig_file::check_size(&rig, [pair.width(), pair.height()])?;
+        }
         let sides = ["left", "right"].map(|side| self.output.join(side));
         let names: HashSet<String> = frames.iter().map(|frame| format!("{}.png", frame.name)).collect();
         let mut claims = Claims::new();

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Error, Result, bail, ensure};
 use haarline_rig::Description;
 
 use super::{LayoutArgs, WiringArgs, warn_skipped};
@@ -83,26 +83,28 @@ impl FrameArgs {
 pub(in crate::command) fn readable(frames: Vec<RecordedFrame>) -> Result<(Vec<RecordedFrame>, usize, StereoPair)> {
     let recorded = frames.len();
     let mut last_error = None;
+    let warn = |(frame, error): (usize, Error)| warn_skipped(frame, &format!("{error:#}"));
     let is_readable = |frame: &RecordedFrame| match frame.read() {
         Ok(_) => true,
         Err(error) => {
-            // Of one frame alone the refusal tells it.
-            if recorded > 1 {
-                warn_skipped(frame.index, &format!("{error:#}"));
+            if let Some(before) = last_error.replace((frame.index, error)) {
+                warn(before);
             }
-            last_error = Some(error);
             false
         }
     };
     let frames: Vec<RecordedFrame> = frames.into_iter().filter(is_readable).collect();
+    // What the refusal tells where there is no frame is not told before.
+    if !frames.is_empty() {
+        last_error.take().map(warn);
+    }
     match (frames.get(frames.len() / 2), last_error) {
         (Some(frame), _) => {
             let middle = frame.read()?;
             let damaged = recorded - frames.len();
             Ok((frames, damaged, middle))
         }
-        (None, Some(error)) if recorded == 1 => Err(error),
-        (None, Some(_)) => bail!("none of {recorded} frames can be read"),
+        (None, Some((_, error))) => Err(error.context("no frame can be read")),
         (None, None) => bail!("there is no frame"),
     }
 }

@@ -55,4 +55,12 @@ impl RigArg {
         rig.check().with_context(|| path.display().to_string())?;
         Ok(Some(rig))
     }
+
+    /// Refuses views of another size than the rig's that was read, after `shrink`.
+    pub(in crate::command) fn check_size(&self, rig: &Description, shrink: Shrink, size: [usize; 2]) -> Result<()> {
+        match &self.rig {
+            Some(path) => rig_file::check_shrunk_size(path, rig, shrink, size),
+            None => rig_file::check_size(rig, size),
+        }
+    }
 }

@@ -4,7 +4,7 @@ use anyhow::{Result, ensure};
 use haarline_rig::Lens;
 use nalgebra::{Matrix3, Vector2, Vector3};
 
-/// OpenCV's coefficients: 0, 4, 5, 8, 12 or 14, of which thin prisms and a tilted sensor must be 0.
+/// OpenCV's coefficients: 4, 5, 8, 12 or 14, of which thin prisms and a tilted sensor must be 0; none are no distortion.
 ///
 /// # Errors
 /// If there are so many or such that they are not read.
@@ -12,7 +12,7 @@ pub fn radial(name: &str, coefficients: &[f64]) -> Result<Lens> {
     let count = coefficients.len();
     ensure!(
         [0, 4, 5, 8, 12, 14].contains(&count),
-        "{name}: has {count} coefficients, where OpenCV's model has 4, 5, 8, 12 or 14"
+        "{name}: has {count} coefficients, where OpenCV's model needs 4, 5, 8, 12 or 14"
     );
     ensure!(
         coefficients.iter().skip(8).all(|&c| c == 0.0),
@@ -67,6 +67,10 @@ impl Camera {
     /// If that is none.
     pub fn new(name: &str, matrix: &[f64], lens: Lens) -> Result<Self> {
         ensure!(matrix.len() == 9, "{name}: has {} numbers, where a camera matrix has 9", matrix.len());
+        ensure!(
+            matrix[6] == 0.0 && matrix[7] == 0.0,
+            "{name}: is transposed, as MATLAB has it: [fx 0 cx; 0 fy cy; 0 0 1] is expected, row by row"
+        );
         ensure!(
             matrix[0] > 0.0 && matrix[4] > 0.0 && matrix[1].abs() < 1e-6 * matrix[0] && matrix[8] == 1.0,
             "{name}: is no camera matrix [fx 0 cx; 0 fy cy; 0 0 1]"
@@ -163,8 +167,12 @@ impl Rectified {
         );
         // Each tells where its camera is against a common one.
         let baseline = (left[3] - right[3]) / fl;
-        ensure!(baseline != 0.0, "the projections tell no distance between the cameras");
-        ensure!(baseline > 0.0, "left and right are exchanged: give the left camera first");
+        ensure!(
+            baseline != 0.0,
+            "the projections tell no distance between the cameras: both are of one camera, or each camera was calibrated \
+             alone; a stereo calibration is needed"
+        );
+        ensure!(baseline > 0.0, "left and right are exchanged: the first camera stands on the right of the second one");
         Ok(Self { focal_px: fl, baseline, axis: [left[2], left[6]], doffs: right[2] - left[2] })
     }
 
@@ -197,7 +205,9 @@ mod tests {
                 assert!((straighten(&lens, bend(&lens, ray)).unwrap() - ray).norm() < 1e-8, "{lens:?} {ray}");
             }
         }
-        assert!(radial("D", &[0.1; 14]).is_err() && radial("D", &[0.1; 3]).is_err());
+        assert!(
+            radial("D", &[0.1; 14]).is_err() && [2, 3].iter().all(|&count| radial("D", &[0.1; 3][..count]).is_err())
+        );
     }
 
     #[test]

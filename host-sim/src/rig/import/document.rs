@@ -3,9 +3,10 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use anyhow::{Context, Result, anyhow, bail, ensure};
+use anyhow::{Context, Error, Result, anyhow, bail, ensure};
+use haarline_rig::Description;
 use serde_json::{Map, Value};
-use yaml_rust2::{Yaml, YamlLoader};
+use yaml_rust2::{ScanError, Yaml, YamlLoader};
 
 /// A file's content.
 #[derive(Debug, Clone, PartialEq)]
@@ -24,7 +25,10 @@ pub fn read(path: &Path) -> Result<Document> {
     let name = path.display();
     ensure!(!path.is_dir(), "{name}: is a folder, where a calibration file is expected");
     let text = crate::input::whole_file::text(path)?;
-    parse(&text).with_context(|| name.to_string())
+    parse(&text).map_err(|error| match Description::parse(&text) {
+        Ok(_) => anyhow!("{name}: is a rig description already: give it to --rig"),
+        Err(_) => error.context(name.to_string()),
+    })
 }
 
 /// The content of a text.
@@ -32,10 +36,12 @@ pub fn read(path: &Path) -> Result<Document> {
 /// # Errors
 /// If it has none of the forms.
 pub fn parse(text: &str) -> Result<Document> {
+    // Editors put the mark of UTF-8 before it.
+    let text = text.trim_start_matches('\u{feff}');
     let begin = text.trim_start();
+    ensure!(!begin.is_empty(), "is empty");
     if begin.starts_with('{') {
-        let tree = serde_json::from_str::<Value>(text).map_err(|error| anyhow!("is no JSON: {error}"))?;
-        return tree_of(tree);
+        return tree_of(serde_json::from_str(text).map_err(|error| no_json(text, &error))?);
     }
     if begin.starts_with('<') {
         return parse_xml(text);
@@ -45,7 +51,7 @@ pub fn parse(text: &str) -> Result<Document> {
     }
     // OpenCV's header is that of no YAML version.
     let without_header: String = text.lines().filter(|line| !line.starts_with('%')).flat_map(|l| [l, "\n"]).collect();
-    let documents = YamlLoader::load_from_str(&without_header).map_err(|error| anyhow!("is no YAML: {error}"))?;
+    let documents = YamlLoader::load_from_str(&without_header).map_err(|error| no_yaml(text, &error))?;
     tree_of(documents.first().map_or(Value::Null, of_yaml))
 }
 
@@ -53,6 +59,32 @@ fn tree_of(value: Value) -> Result<Document> {
     match value {
         Value::Object(tree) => Ok(Document::Tree(tree)),
         _ => bail!("is no calibration file: it has no names of values"),
+    }
+}
+
+/// What is wrong with a JSON text: Python's NaN is none, and what ends within is cut off.
+fn no_json(text: &str, error: &serde_json::Error) -> Error {
+    let (line, column) = (error.line(), error.column());
+    if error.is_eof() {
+        return anyhow!("is JSON that is cut off: it ends within something at line {line} column {column}");
+    }
+    let rest = text.lines().nth(line.saturating_sub(1)).and_then(|line| line.get(column.saturating_sub(1)..));
+    match ["NaN", "Infinity"].into_iter().find(|&word| rest.is_some_and(|rest| rest.starts_with(word))) {
+        Some(word) => anyhow!("{word} at line {line} column {column} is no number: the calibration has failed there"),
+        None => anyhow!("is no JSON: {error}"),
+    }
+}
+
+/// What is wrong with a YAML text, by the line of the file.
+fn no_yaml(text: &str, error: &ScanError) -> Error {
+    // OpenCV's header is not counted.
+    let header = text.lines().take_while(|line| line.starts_with('%')).count();
+    let line = error.marker().line() + header;
+    let key = error.info().strip_prefix("String(\"").and_then(|info| info.split_once("\"): duplicated key"));
+    match key {
+        Some((key, _)) => anyhow!("{key} is there twice, at line {line} again: is this two files in one?"),
+        None if line > text.lines().count() => anyhow!("is YAML that is cut off: {} at its end", error.info()),
+        None => anyhow!("is no YAML: {} at line {line} column {}", error.info(), error.marker().col() + 1),
     }
 }
 
@@ -78,6 +110,8 @@ fn number(value: f64) -> Value {
 
 /// OpenCV's XML: matrices with `rows`, `cols` and `data`, other elements by their text.
 fn parse_xml(text: &str) -> Result<Document> {
+    let is_cut_off = text.contains("<opencv_storage") && !text.contains("</opencv_storage");
+    ensure!(!is_cut_off, "is XML that is cut off: it does not end with </opencv_storage>");
     let document = roxmltree::Document::parse(text).map_err(|error| anyhow!("is no XML: {error}"))?;
     let root = document.root_element();
     ensure!(root.has_tag_name("opencv_storage"), "is XML, but not OpenCV's: its root is <{}>", root.tag_name().name());
@@ -91,11 +125,14 @@ fn of_element(element: roxmltree::Node<'_, '_>) -> Value {
         return Value::Object(entries.collect());
     }
     let words: Vec<&str> = element.text().unwrap_or_default().split_whitespace().collect();
-    let numbers: Option<Vec<Value>> = words.iter().map(|word| word.parse().ok().map(number)).collect();
-    match numbers {
-        Some(mut numbers) if numbers.len() == 1 => numbers.remove(0),
-        Some(numbers) if !numbers.is_empty() => Value::Array(numbers),
-        _ => words.join(" ").into(),
+    let parsed: Vec<Option<f64>> = words.iter().map(|word| word.parse().ok()).collect();
+    let values = words.iter().zip(&parsed).map(|(&word, parsed)| parsed.map_or_else(|| word.into(), number));
+    match values.len() {
+        1.. if parsed.iter().all(Option::is_none) => words.join(" ").into(),
+        0 => Value::String(String::new()),
+        1 => values.collect::<Vec<_>>().remove(0),
+        // A word among numbers is found where they are used.
+        _ => values.collect(),
     }
 }
 
@@ -126,9 +163,17 @@ pub fn numbers(name: &str, value: &Value) -> Result<Vec<f64>> {
             Ok(lists.concat())
         }
         Value::Object(matrix) => numbers(name, matrix.get("data").with_context(|| format!("{name}: has no data"))?),
-        Value::String(word) => bail!("{name}: {word} is no number"),
-        Value::Null | Value::Bool(_) => bail!("{name}: is no number"),
+        Value::String(word) if is_not_finite(word) => bail!("{name}: {word} is no number"),
+        Value::String(word) => bail!("{name}: {word:?} is text, where a number is expected"),
+        Value::Null => bail!("{name}: has nothing where a number is expected"),
+        Value::Bool(_) => bail!("{name}: is no number"),
     }
+}
+
+/// Whether a word is what calculations that fail leave, as YAML, OpenCV or Python writes it.
+fn is_not_finite(word: &str) -> bool {
+    let word = word.trim_start_matches(['-', '+', '.']).to_lowercase();
+    ["nan", "inf", "infinity"].contains(&word.as_str())
 }
 
 #[cfg(test)]

@@ -12,67 +12,165 @@ use super::document::{Document, numbers};
 
 type Tree = Map<String, Value>;
 
-/// Matrices by their names in small letters without anything between.
-struct Matrices(BTreeMap<String, Vec<f64>>);
+/// Cameras so near to each other are one, whatever the unit of length.
+const SAME_PLACE: f64 = 1e-6;
 
-/// What kind of file a document is, by the names in it; OpenCV's without a sign of another.
-#[must_use]
-pub fn kind(document: &Document) -> &'static str {
-    match document {
-        Document::Lines(lines) if lines.contains_key("cam0") => "a Middlebury calib.txt",
-        Document::Lines(_) => "a KITTI calibration",
-        Document::Tree(tree) if is_ros(tree) => ROS,
-        Document::Tree(tree) if tree.contains_key("T_BS") => EUROC,
-        Document::Tree(tree) if tree.contains_key("cam0") => "a Kalibr camchain",
-        Document::Tree(tree) if is_image_list(tree) => "a list of pictures",
-        Document::Tree(_) => "a file of OpenCV's",
+/// A file and its name.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Named {
+    /// What the user calls it.
+    pub name: String,
+    /// Its content.
+    pub document: Document,
+}
+
+/// What a file is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// Both rectified cameras.
+    Middlebury,
+    /// Projections of rectified cameras.
+    Kitti,
+    /// A chain of cameras.
+    Kalibr,
+    /// One camera of a pair.
+    Ros,
+    /// One camera on a body.
+    Euroc,
+    /// Matrices of a pair, or some of them.
+    OpenCv,
+    /// One camera alone.
+    OpenCvCamera,
+    /// Names of pictures.
+    ImageList,
+}
+
+impl Kind {
+    /// What `document` is, if that is known.
+    #[must_use]
+    pub fn of(document: &Document) -> Option<Self> {
+        let tree = match document {
+            Document::Lines(lines) if lines.contains_key("cam0") => return Some(Self::Middlebury),
+            Document::Lines(_) => return Some(Self::Kitti),
+            Document::Tree(tree) => tree,
+        };
+        let has = |name: &str| tree.contains_key(name);
+        if has("cam0") || has("T_cn_cnm1") {
+            Some(Self::Kalibr)
+        } else if has("projection_matrix") || has("camera_matrix") && has("distortion_model") {
+            Some(Self::Ros)
+        } else if has("T_BS") || has("sensor_type") {
+            Some(Self::Euroc)
+        } else if Matrices::of([document]).has_any() {
+            Some(Self::OpenCv)
+        } else if has("camera_matrix") || has("Camera_Matrix") || has("cameraMatrix") {
+            Some(Self::OpenCvCamera)
+        } else {
+            tree.iter().any(|(key, value)| names_images(key, value)).then_some(Self::ImageList)
+        }
+    }
+
+    /// Whether cameras of a rig are told.
+    #[must_use]
+    pub const fn is_of_rig(self) -> bool {
+        !matches!(self, Self::OpenCvCamera | Self::ImageList)
+    }
+
+    /// For the user.
+    #[must_use]
+    pub const fn words(self) -> &'static str {
+        match self {
+            Self::Middlebury => "a Middlebury calib.txt",
+            Self::Kitti => "a KITTI calibration",
+            Self::Kalibr => "a Kalibr camchain",
+            Self::Ros => "a ROS camera_info file",
+            Self::Euroc => "an EuRoC sensor.yaml",
+            Self::OpenCv => "an OpenCV stereo calibration",
+            Self::OpenCvCamera => "an OpenCV calibration of one camera",
+            Self::ImageList => "an OpenCV image list",
+        }
     }
 }
 
-const ROS: &str = "a ROS camera_info file";
-const EUROC: &str = "an EuRoC sensor.yaml";
+/// Whether a value is OpenCV's list of the images to calibrate with.
+fn names_images(key: &str, value: &Value) -> bool {
+    let is_image = |word: &str| {
+        let word = word.trim_matches(['"', '\'']).to_lowercase();
+        [".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".pgm"].iter().any(|ending| word.ends_with(ending))
+    };
+    match value {
+        Value::String(text) => ["imagelist", "images"].contains(&key) && text.split_whitespace().any(is_image),
+        Value::Array(items) => items.iter().any(|item| item.as_str().is_some_and(is_image)),
+        _ => false,
+    }
+}
+
+/// What is said of a file that is none of those that are read.
+const UNKNOWN: &str = "is no calibration that is known: no K1 and K2, no cam0, no camera_matrix, no T_BS, no P2; OpenCV's stereo \
+     calibration, ROS camera_info, Kalibr's camchain, EuRoC's sensor.yaml, Middlebury's and KITTI's calib.txt are read";
 
 /// The calibration that the files together tell.
 ///
 /// # Errors
-/// Names the kind of file, and what is missing or not read.
-pub fn calibration(documents: &[Document]) -> Result<Calibration> {
-    if let [first, second] = documents {
-        let kinds = [kind(first), kind(second)];
-        ensure!(kinds[0] == kinds[1], "the first is {}, the second {}: give files of one kind", kinds[0], kinds[1]);
-        ensure!(first != second, "both files tell the same: give the left camera's and the right one's");
+/// Names the file or files, what is missing or not read.
+pub fn calibration(files: &[Named]) -> Result<Calibration> {
+    let kinds = files.iter().map(|file| known(file).with_context(|| file.name.clone())).collect::<Result<Vec<_>>>()?;
+    if let ([one, other], &[first, second]) = (files, &*kinds) {
+        ensure!(
+            first == second,
+            "{} is {}, but {} is {}: give the files of one calibration",
+            one.name,
+            first.words(),
+            other.name,
+            second.words()
+        );
+        ensure!(
+            one.document != other.document,
+            "{} and {} have the same content: give one where it tells of both cameras, else the left and the right camera's",
+            one.name,
+            other.name
+        );
     }
-    match documents {
-        [Document::Lines(lines)] if lines.contains_key("cam0") => middlebury(lines),
-        [Document::Lines(lines)] => kitti(lines),
-        [Document::Tree(tree)] if kind(&documents[0]) == "a Kalibr camchain" => kalibr(tree),
-        [one] if [ROS, EUROC].contains(&kind(one)) => {
-            bail!("is {} of one camera: give both, the left one first", kind(one))
+    let names = || files.iter().map(|file| file.name.as_str()).collect::<Vec<_>>().join(", ");
+    match (kinds.first(), files) {
+        (Some(Kind::Ros), [left, right]) => ros([ros_camera(left)?, ros_camera(right)?]).with_context(names),
+        (Some(Kind::Euroc), [left, right]) => euroc([sensor(left)?, sensor(right)?]).with_context(names),
+        (Some(kind @ (Kind::Ros | Kind::Euroc)), [file]) => {
+            bail!("{}: is {} of one camera: give both, the left one first", file.name, kind.words())
         }
-        [Document::Tree(left), Document::Tree(right)] if is_ros(left) => ros(left, right),
-        [Document::Tree(left), Document::Tree(right)] if left.contains_key("T_BS") => euroc(left, right),
-        [Document::Tree(tree), ..] if is_image_list(tree) => bail!(
-            "is a list of pictures: calibrate with it, and give what that wrote (OpenCV's stereo_calib: intrinsics.yml and extrinsics.yml)"
-        ),
-        [Document::Tree(tree), ..] if !tree.contains_key("cam0") => opencv(documents),
-        [one, ..] => bail!("{} tells of both cameras: give it alone", kind(one)),
-        [] => bail!("no file"),
+        (Some(Kind::OpenCv), _) => opencv(&Matrices::of(files.iter().map(|file| &file.document))).with_context(names),
+        (Some(kind), [_, _]) => {
+            bail!("{}: each is {}, which tells of both cameras: give one of them", names(), kind.words())
+        }
+        (_, [Named { document: Document::Lines(lines), .. }]) if lines.contains_key("cam0") => {
+            middlebury(lines).with_context(names)
+        }
+        (_, [Named { document: Document::Lines(lines), .. }]) => kitti(lines).with_context(names),
+        (_, [Named { document: Document::Tree(tree), .. }]) => kalibr(tree).with_context(names),
+        _ => bail!("{} files: one or two are read, of two the left camera's first", files.len()),
     }
 }
 
-fn is_ros(tree: &Tree) -> bool {
-    tree.contains_key("projection_matrix") && tree.contains_key("camera_matrix")
+/// The kind of a file that may be part of a calibration of two cameras.
+fn known(file: &Named) -> Result<Kind> {
+    match Kind::of(&file.document).context(UNKNOWN)? {
+        Kind::ImageList => bail!(
+            "is an OpenCV image list, no calibration: calibrate with its images first, then give the file with M1 D1 M2 D2 R T"
+        ),
+        Kind::OpenCvCamera => bail!(
+            "is an OpenCV calibration of one camera, which does not tell how two of them stand: give the file of a stereo \
+             calibration, with M1 D1 M2 D2 R T"
+        ),
+        kind => Ok(kind),
+    }
 }
 
-/// The input of OpenCV's `stereo_calib`.
-fn is_image_list(tree: &Tree) -> bool {
-    ["images", "imagelist"].into_iter().any(|name| tree.contains_key(name))
-        && !tree.keys().any(|key| CAMERA.as_flattened().contains(&plain(key).as_str()))
-}
-
-/// A name in small letters without anything between.
-fn plain(name: &str) -> String {
-    name.to_lowercase().replace(['_', '-', ' '], "")
+/// A file's content as a tree; the kinds of one camera each are nothing else.
+fn tree(file: &Named) -> Result<&Tree> {
+    match &file.document {
+        Document::Tree(tree) => Ok(tree),
+        Document::Lines(_) => bail!("has lines where YAML is expected"),
+    }
 }
 
 fn list(tree: &Tree, name: &str, count: usize) -> Result<Vec<f64>> {
@@ -93,41 +191,43 @@ fn size(values: &[f64]) -> Option<[u32; 2]> {
     }
 }
 
-/// The lens of a model by the name that ROS, Kalibr and EuRoC give it.
-fn lens(model: &str, name: &str, coefficients: &[f64]) -> Result<Lens> {
-    let counts: &[usize] = match model {
-        "none" => return radial(name, &[]),
-        "plumb_bob" => &[5, 4],
-        "rational_polynomial" => &[8, 12, 14],
-        "radtan" | "radial-tangential" | "equidistant" | "fisheye" => &[4],
+/// The lens of a model by the name that ROS, Kalibr and EuRoC give it, whose coefficients are under `key`.
+fn lens(tree: &Tree, key: &str) -> Result<Lens> {
+    let model = word(tree, "distortion_model")?;
+    let needed = match model {
+        "none" => return radial(key, &[]),
+        "radtan" | "radial-tangential" | "equidistant" | "fisheye" => 4,
+        "plumb_bob" => 5,
+        "rational_polynomial" => 8,
         other => bail!(
             "the lens model {other} is not read: calibrate with a pinhole model, radial-tangential (plumb_bob, radtan) or equidistant"
         ),
     };
-    let count = coefficients.len();
-    ensure!(counts.contains(&count), "{name}: has {count} coefficients, where {model} has {}", counts[0]);
-    match <[f64; 4]>::try_from(coefficients) {
+    let found = numbers(key, tree.get(key).with_context(|| format!("{key} is missing"))?)?;
+    // Some drivers write plumb_bob's four without the fifth, which is 0 then.
+    let is_short = model == "plumb_bob" && found.len() == 4;
+    ensure!(found.len() == needed || is_short, "{key}: has {} coefficients, where {model} needs {needed}", found.len());
+    match <[f64; 4]>::try_from(&*found) {
         Ok(four) if ["equidistant", "fisheye"].contains(&model) => Ok(Lens::Equidistant(four)),
-        _ => radial(name, coefficients),
+        _ => radial(key, &found),
     }
 }
 
-/// The coefficients of a lens under that name.
-fn coefficients(tree: &Tree, name: &str) -> Result<Vec<f64>> {
-    numbers(name, tree.get(name).with_context(|| format!("{name} is missing"))?)
-}
-
 /// The left camera's place, as the right one sees it, must be on its left.
-fn check_order(translation: &Vector3<f64>) -> Result<()> {
-    ensure!(translation.norm() > 0.0, "the two cameras are in the same place");
+fn check_order(translation: &Vector3<f64>, advice: &str) -> Result<()> {
+    ensure!(
+        translation.norm() > SAME_PLACE,
+        "the two cameras are in the same place, the translation between them is zero: are they one camera, given twice?"
+    );
     ensure!(
         translation.x.abs() > translation.y.abs().max(translation.z.abs()),
-        "the cameras do not stand side by side: the translation is {:.3}, {:.3}, {:.3}",
+        "the cameras do not stand side by side, as they must: the translation is {:.3}, {:.3}, {:.3}, where the first is to be \
+         the greatest",
         translation.x,
         translation.y,
         translation.z
     );
-    ensure!(translation.x < 0.0, "left and right are exchanged: give the left camera's file first");
+    ensure!(translation.x < 0.0, "left and right are exchanged: {advice}");
     Ok(())
 }
 
@@ -141,29 +241,73 @@ fn check_rotation(name: &str, rotation: &Matrix3<f64>) -> Result<()> {
     Ok(())
 }
 
+/// A matrix, as a file has it.
+struct Matrix {
+    /// What the file calls it.
+    key: String,
+    /// Its numbers, or what is wrong with them.
+    values: Result<Vec<f64>, String>,
+}
+
+/// The matrices of each file, by their names in small letters without anything between.
+struct Matrices(Vec<BTreeMap<String, Matrix>>);
+
 impl Matrices {
-    fn add(&mut self, prefix: &str, tree: &Tree) {
-        for (key, value) in tree {
-            let name = format!("{prefix}{}", plain(key));
-            match value {
-                Value::Object(inner) if !inner.contains_key("data") => self.add(&name, inner),
-                // What is no number is told where it is asked for.
-                _ => _ = self.0.insert(name, numbers(key, value).unwrap_or_else(|_| vec![f64::NAN])),
+    fn of<'a>(documents: impl IntoIterator<Item = &'a Document>) -> Self {
+        let of_tree = |document: &Document| {
+            let mut found = BTreeMap::new();
+            if let Document::Tree(tree) = document {
+                collect("", tree, &mut found);
             }
+            found
+        };
+        Self(documents.into_iter().map(of_tree).collect())
+    }
+
+    /// Whether there is one of those that OpenCV's stereo calibration is read from.
+    fn has_any(&self) -> bool {
+        let names = [&CAMERA[0][..], &CAMERA[1], &DISTORTION[0], &DISTORTION[1], &ROTATION, &TRANSLATION, &RECTIFIED];
+        names.concat().iter().any(|&name| self.0.iter().any(|file| file.contains_key(name)))
+    }
+
+    /// The matrix under one of its names; `told` is what it is called in refusals of two of them.
+    fn get(&self, told: &str, names: &[&str]) -> Result<Option<(&str, &[f64])>> {
+        let mut found = self.0.iter().filter_map(|file| names.iter().find_map(|&name| file.get(name)));
+        let Some(first) = found.next() else { return Ok(None) };
+        if let Some(other) = found.find(|other| other.values != first.values) {
+            let also = if other.key == first.key { String::new() } else { format!(" ({}, {})", first.key, other.key) };
+            bail!("each file tells another {told}{also}: give the files of one calibration");
+        }
+        match &first.values {
+            Ok(values) => Ok(Some((&first.key, values))),
+            Err(wrong) => bail!("{wrong}"),
         }
     }
 
-    /// The matrix under one of its names; `told` is what it is called in refusals.
-    fn find(&self, told: &str, names: &[&str], counts: &[usize]) -> Result<Option<&[f64]>> {
-        let Some(found) = names.iter().find_map(|&name| self.0.get(name)) else { return Ok(None) };
-        ensure!(found.iter().all(|value| value.is_finite()), "{told}: holds something that is no number");
-        ensure!(
-            counts.is_empty() || counts.contains(&found.len()),
-            "{told}: has {} numbers, where {} are expected",
-            found.len(),
-            counts[0]
-        );
-        Ok(Some(found))
+    /// The same of `count` numbers.
+    fn find(&self, told: &str, names: &[&str], count: usize) -> Result<Option<(&str, &[f64])>> {
+        let found = self.get(told, names)?;
+        if let Some((key, values)) = found {
+            ensure!(values.len() == count, "{key}: has {} numbers, where {count} are expected", values.len());
+        }
+        Ok(found)
+    }
+}
+
+fn collect(prefix: &str, tree: &Tree, found: &mut BTreeMap<String, Matrix>) {
+    for (key, value) in tree {
+        let name = format!("{prefix}{}", key.to_lowercase().replace(['_', '-', ' '], ""));
+        let values = match value {
+            Value::Object(inner) if !inner.contains_key("data") => {
+                collect(&name, inner, found);
+                continue;
+            }
+            Value::String(word) => Err(format!("{key}: {word:?} is no matrix of numbers")),
+            Value::Null | Value::Bool(_) => Err(format!("{key}: is no matrix of numbers")),
+            // What is no number among words that nobody asks for is not told.
+            _ => numbers(key, value).map_err(|error| error.to_string()),
+        };
+        found.insert(name, Matrix { key: key.clone(), values });
     }
 }
 
@@ -210,45 +354,51 @@ const DISTORTION: [[&str; 10]; 2] = [
     ],
 ];
 
+const ROTATION: [&str; 4] = ["r", "rotation", "rotationmatrix", "rot"];
+const TRANSLATION: [&str; 4] = ["t", "translation", "translationvector", "trans"];
+/// Turns and projections of rectified views.
+const RECTIFIED: [&str; 4] = ["r1", "r2", "p1", "p2"];
+const SIZE: [&str; 5] = ["size", "imagesize", "imgsize", "resolution", "imageshape"];
+
 /// OpenCV's stereo calibration: K1 D1 K2 D2 R T, or K1 D1 R1 P1 K2 D2 R2 P2, or P1 P2 of rectified views; in one file or two.
-fn opencv(documents: &[Document]) -> Result<Calibration> {
-    let mut matrices = Matrices(BTreeMap::new());
-    for document in documents {
-        match document {
-            Document::Tree(tree) => matrices.add("", tree),
-            Document::Lines(_) => bail!("Middlebury's and KITTI's files are given alone"),
-        }
-    }
-    let [k1, k2] = [0, 1].map(|side| matrices.find(["K1", "K2"][side], &CAMERA[side], &[9]));
-    let [d1, d2] = [0, 1].map(|side| matrices.find(["D1", "D2"][side], &DISTORTION[side], &[]));
-    let rotation = matrices.find("R", &["r", "rotation", "rotationmatrix", "rot"], &[9])?;
-    let translation = matrices.find("T", &["t", "translation", "translationvector", "trans"], &[3])?;
-    let [p1, p2] = ["p1", "p2"].map(|name| matrices.find(name, &[name], &[12]));
+fn opencv(matrices: &Matrices) -> Result<Calibration> {
+    let [k1, k2] = [0, 1].map(|side| matrices.find(["K1", "K2"][side], &CAMERA[side], 9));
+    let [d1, d2] = [0, 1].map(|side| matrices.get(["D1", "D2"][side], &DISTORTION[side]));
+    let rotation = matrices.find("R", &ROTATION, 9)?;
+    let translation = matrices.find("T", &TRANSLATION, 3)?;
+    let [p1, p2] = ["P1", "P2"].map(|name| matrices.find(name, &[&*name.to_lowercase()], 12));
     let rectified = match (p1?, p2?) {
-        (Some(p1), Some(p2)) => Some(Rectified::of_projections(p1, p2)?),
+        (Some((_, p1)), Some((_, p2))) => Some(Rectified::of_projections(p1, p2).context("P1, P2")?),
         _ => None,
     };
+    let mut kind = "OpenCV stereo calibration";
     let raw = match (k1?, k2?) {
         (Some(k1), Some(k2)) => {
-            let camera = |name: &str, k: &[f64], d: Result<Option<&[f64]>>| -> Result<Camera> {
-                Camera::new(name, k, radial("the distortion", d?.unwrap_or(&[]))?)
+            let camera = |(key, k): (&str, &[f64]), distortion: Option<(&str, &[f64])>| -> Result<Camera> {
+                let (name, coefficients) = distortion.unwrap_or(("D", &[]));
+                Camera::new(key, k, radial(name, coefficients)?)
             };
-            match (&d1, &d2) {
-                (Ok(Some(_)), Ok(None)) => bail!("D2 is missing: distortion is told of one camera only"),
-                (Ok(None), Ok(Some(_))) => bail!("D1 is missing: distortion is told of one camera only"),
+            let (d1, d2) = (d1?, d2?);
+            match (d1, d2) {
+                (Some(_), None) => bail!("D2 is missing: distortion is told of one camera only"),
+                (None, Some(_)) => bail!("D1 is missing: distortion is told of one camera only"),
+                (None, None) => kind = "OpenCV stereo calibration without distortion (no D1, D2)",
                 _ => {}
             }
-            let (left, right) = (camera("K1", k1, d1)?, camera("K2", k2, d2)?);
+            let (left, right) = (camera(k1, d1)?, camera(k2, d2)?);
             match (rotation, translation) {
-                (Some(rotation), Some(translation)) => {
+                (Some((key, rotation)), Some((_, translation))) => {
                     let (rotation, translation) = (matrix3(rotation), Vector3::from_column_slice(translation));
-                    check_rotation("R", &rotation)?;
-                    check_order(&translation)?;
+                    check_rotation(key, &rotation)?;
+                    check_order(
+                        &translation,
+                        "camera 1 stands on the right of camera 2 by T; calibrate with the left camera as the first one",
+                    )?;
                     Some(Raw { left, right, rotation, translation })
                 }
                 _ => {
-                    let [r1, r2] = ["r1", "r2"].map(|name| matrices.find(name, &[name], &[9]));
-                    let (Some(r1), Some(r2), Some(rectified)) = (r1?, r2?, &rectified) else {
+                    let [r1, r2] = ["R1", "R2"].map(|name| matrices.find(name, &[&*name.to_lowercase()], 9));
+                    let (Some((_, r1)), Some((_, r2)), Some(rectified)) = (r1?, r2?, &rectified) else {
                         bail!(
                             "is an OpenCV calibration without R and T, and without R1, P1, R2, P2 in their place: give the file with them, too"
                         );
@@ -258,21 +408,21 @@ fn opencv(documents: &[Document]) -> Result<Calibration> {
             }
         }
         (None, None) if rectified.is_some() => None,
-        (None, None) => bail!(
-            "is no calibration that is known: no K1 and K2, no cam0, no camera_matrix, no T_BS, no P2; OpenCV's stereo calibration, \
-             ROS camera_info, Kalibr's camchain, EuRoC's sensor.yaml, Middlebury's and KITTI's calib.txt are read"
-        ),
+        (None, None) => bail!("K1 and K2 are missing: give the file with them, too (OpenCV's intrinsics.yml)"),
         (one, _) => bail!("K{} is missing: the file tells of one camera only", if one.is_none() { 1 } else { 2 }),
     };
-    let named =
-        ["size", "imagesize", "imgsize", "resolution", "imageshape"].iter().find_map(|&name| matrices.0.get(name));
-    let sides = ["imagewidth", "imageheight"].map(|name| matrices.0.get(name).and_then(|value| value.first().copied()));
+    let named = match matrices.get("image size", &SIZE) {
+        // A size in words of one file is as none: --size tells it.
+        Err(_) if matrices.0.len() == 1 => None,
+        named => named?,
+    };
+    let sides = ["imagewidth", "imageheight"].map(|name| matrices.find(name, &[name], 1).unwrap_or_default());
     let sides = match sides {
-        [Some(width), Some(height)] => size(&[width, height]),
+        [Some((_, width)), Some((_, height))] => size(&[width[0], height[0]]),
         _ => None,
     };
-    let size = named.and_then(|values| size(values)).or(sides);
-    Ok(Calibration { kind: "OpenCV stereo calibration", size, unit_mm: None, raw, rectified })
+    let size = named.and_then(|(_, values)| size(values)).or(sides);
+    Ok(Calibration { kind, size, unit_mm: None, raw, rectified })
 }
 
 /// The cameras of which a rectification is known: how each was turned, and their distance then.
@@ -284,23 +434,48 @@ fn of_rectification(left: Camera, right: Camera, r1: Matrix3<f64>, r2: Matrix3<f
     Ok(Raw { left, right, rotation, translation })
 }
 
-fn ros(left: &Tree, right: &Tree) -> Result<Calibration> {
-    let camera = |tree: &Tree| -> Result<Camera> {
-        let (name, model) = ("distortion_coefficients", word(tree, "distortion_model")?);
-        Camera::new("camera_matrix", &list(tree, "camera_matrix", 9)?, lens(model, name, &coefficients(tree, name)?)?)
+/// A camera_info file.
+struct RosCamera {
+    camera: Camera,
+    size: Vec<f64>,
+    projection: Vec<f64>,
+    turn: Matrix3<f64>,
+}
+
+fn ros_camera(file: &Named) -> Result<RosCamera> {
+    let read = || -> Result<RosCamera> {
+        let tree = tree(file)?;
+        Ok(RosCamera {
+            camera: Camera::new(
+                "camera_matrix",
+                &list(tree, "camera_matrix", 9)?,
+                lens(tree, "distortion_coefficients")?,
+            )?,
+            size: [list(tree, "image_width", 1)?, list(tree, "image_height", 1)?].concat(),
+            projection: list(tree, "projection_matrix", 12)?,
+            turn: matrix3(&list(tree, "rectification_matrix", 9)?),
+        })
     };
-    let sides = |tree: &Tree| -> Result<Vec<f64>> {
-        Ok([list(tree, "image_width", 1)?, list(tree, "image_height", 1)?].concat())
-    };
-    ensure!(sides(left)? == sides(right)?, "the two camera_info files tell of images of different size");
-    let projections = [left, right].map(|tree| list(tree, "projection_matrix", 12));
-    let [left_projection, right_projection] = projections;
-    let rectified = Rectified::of_projections(&left_projection?, &right_projection?)?;
-    let turns = [left, right].map(|tree| list(tree, "rectification_matrix", 9).map(|values| matrix3(&values)));
-    let [r1, r2] = turns;
-    let (one, other) = (camera(left).context(LEFT)?, camera(right).context(RIGHT)?);
-    let raw = of_rectification(one, other, r1?, r2?, rectified.baseline)?;
-    let size = size(&sides(left)?);
+    read().with_context(|| file.name.clone())
+}
+
+fn check_sizes(left: &[f64], right: &[f64]) -> Result<()> {
+    ensure!(
+        left == right,
+        "the images are of different size, {}x{} and {}x{} px: calibrate both cameras at one size",
+        left[0],
+        left[1],
+        right[0],
+        right[1]
+    );
+    Ok(())
+}
+
+fn ros([left, right]: [RosCamera; 2]) -> Result<Calibration> {
+    check_sizes(&left.size, &right.size)?;
+    let rectified = Rectified::of_projections(&left.projection, &right.projection)?;
+    let size = size(&left.size);
+    let raw = of_rectification(left.camera, right.camera, left.turn, right.turn, rectified.baseline)?;
     Ok(Calibration {
         kind: "ROS camera_info pair",
         size,
@@ -311,29 +486,23 @@ fn ros(left: &Tree, right: &Tree) -> Result<Calibration> {
 }
 
 /// A pinhole camera as Kalibr and EuRoC write it.
-fn pinhole(tree: &Tree, name: &str) -> Result<Camera> {
+fn pinhole(tree: &Tree, coefficients: &str) -> Result<Camera> {
     let model = word(tree, "camera_model")?;
     ensure!(model == "pinhole", "the camera model {model} is not read: calibrate with pinhole");
     let k = list(tree, "intrinsics", 4)?;
-    let distortion = word(tree, "distortion_model")?;
-    let found = if distortion == "none" { Vec::new() } else { coefficients(tree, name)? };
-    Camera::new("intrinsics", &[k[0], 0.0, k[2], 0.0, k[1], k[3], 0.0, 0.0, 1.0], lens(distortion, name, &found)?)
+    Camera::new("intrinsics", &[k[0], 0.0, k[2], 0.0, k[1], k[3], 0.0, 0.0, 1.0], lens(tree, coefficients)?)
 }
 
 fn matrix4(tree: &Tree, name: &str) -> Result<Matrix4<f64>> {
     Ok(Matrix4::from_row_slice(&list(tree, name, 16)?))
 }
 
-/// Whose file of two it is.
-const LEFT: &str = "the left camera";
-const RIGHT: &str = "the right camera";
-
 /// The raw cameras from the left one's coordinates in the right one's.
 fn of_transform(left: Camera, right: Camera, transform: &Matrix4<f64>) -> Result<Raw> {
     let rotation = transform.fixed_view::<3, 3>(0, 0).into_owned();
     let translation = transform.fixed_view::<3, 1>(0, 3).into_owned();
     check_rotation("the rotation between the cameras", &rotation)?;
-    check_order(&translation)?;
+    check_order(&translation, "give the left camera's file first")?;
     Ok(Raw { left, right, rotation, translation })
 }
 
@@ -341,10 +510,9 @@ fn kalibr(tree: &Tree) -> Result<Calibration> {
     let camera = |name: &str| tree.get(name).and_then(Value::as_object);
     let cam0 = camera("cam0").context("cam0 is no camera")?;
     let cam1 = camera("cam1").context("is a Kalibr camchain of one camera: cam1 is missing")?;
-    let transform = matrix4(cam1, "T_cn_cnm1")?;
-    let [first, second] =
-        [("cam0", cam0), ("cam1", cam1)].map(|(name, tree)| pinhole(tree, "distortion_coeffs").context(name));
-    let (first, second) = (first?, second?);
+    let transform = matrix4(cam1, "T_cn_cnm1").context("cam1")?;
+    let first = pinhole(cam0, "distortion_coeffs").context("cam0")?;
+    let second = pinhole(cam1, "distortion_coeffs").context("cam1")?;
     // The chain's order is not always from left to right.
     let raw = if transform[(0, 3)] > 0.0 {
         let back = transform.try_inverse().context("T_cn_cnm1: cannot be inverted")?;
@@ -354,22 +522,38 @@ fn kalibr(tree: &Tree) -> Result<Calibration> {
     };
     let kind =
         if transform[(0, 3)] > 0.0 { "Kalibr camchain, whose cam1 is the left camera" } else { "Kalibr camchain" };
-    let size = size(&list(cam0, "resolution", 2)?);
+    let sizes = [list(cam0, "resolution", 2).context("cam0")?, list(cam1, "resolution", 2).context("cam1")?];
+    check_sizes(&sizes[0], &sizes[1]).context("cam0 and cam1")?;
+    let size = size(&sizes[0]);
     Ok(Calibration { kind, size, unit_mm: Some(1000.0), raw: Some(raw), rectified: None })
 }
 
-fn euroc(left: &Tree, right: &Tree) -> Result<Calibration> {
-    let [to_left, to_right] = [left, right].map(|tree| matrix4(tree, "T_BS"));
-    let back = to_right?.try_inverse().context("T_BS: cannot be inverted")?;
-    let [one, other] = [left, right].map(|tree| list(tree, "resolution", 2));
-    let (one, other) = (one?, other?);
-    ensure!(one == other, "the two sensor.yaml tell of images of different size");
-    let cameras = [left, right].map(|tree| pinhole(tree, "distortion_coefficients"));
-    let [first, second] = cameras;
-    let raw = of_transform(first.context(LEFT)?, second.context(RIGHT)?, &(back * to_left?))?;
+/// A sensor.yaml.
+struct Sensor {
+    camera: Camera,
+    size: Vec<f64>,
+    to_body: Matrix4<f64>,
+}
+
+fn sensor(file: &Named) -> Result<Sensor> {
+    let read = || -> Result<Sensor> {
+        let tree = tree(file)?;
+        Ok(Sensor {
+            to_body: matrix4(tree, "T_BS")?,
+            size: list(tree, "resolution", 2)?,
+            camera: pinhole(tree, "distortion_coefficients")?,
+        })
+    };
+    read().with_context(|| file.name.clone())
+}
+
+fn euroc([left, right]: [Sensor; 2]) -> Result<Calibration> {
+    let back = right.to_body.try_inverse().context("T_BS: cannot be inverted")?;
+    check_sizes(&left.size, &right.size)?;
+    let raw = of_transform(left.camera, right.camera, &(back * left.to_body))?;
     Ok(Calibration {
         kind: "EuRoC sensor.yaml pair",
-        size: size(&one),
+        size: size(&left.size),
         unit_mm: Some(1000.0),
         raw: Some(raw),
         rectified: None,

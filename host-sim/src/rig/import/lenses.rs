@@ -2,7 +2,7 @@
 //! that few rows must wait.
 
 use anyhow::{Result, ensure};
-use haarline_rig::{CameraModel, Description, template};
+use haarline_rig::{CameraModel, Description, Lens, template};
 use nalgebra::{Matrix3, Rotation3, Vector2, Vector3};
 
 use super::calibration::{Camera, Raw};
@@ -23,11 +23,16 @@ const GRID: [u32; 2] = [12, 4];
 /// The rig, and both cameras' lenses and turns.
 ///
 /// # Errors
-/// If the cameras do not see the same.
+/// If the lenses are of two models, or the cameras do not see the same.
 pub fn of_raw(raw: &Raw, size: [u32; 2], residuals: &Pinhole) -> Result<(Pinhole, [CameraModel; 2])> {
+    let model = |lens: &Lens| match lens {
+        Lens::Radial(_) => "radial-tangential",
+        Lens::Equidistant(_) => "equidistant",
+    };
+    let (left, right) = (model(&raw.left.lens), model(&raw.right.lens));
     ensure!(
-        std::mem::discriminant(&raw.left.lens) == std::mem::discriminant(&raw.right.lens),
-        "the lenses are of two models: calibrate both cameras with one of them"
+        left == right,
+        "the left camera's lens is {left}, the right one's {right}: calibrate both cameras with one model"
     );
     let turns = turns(raw)?;
     let cameras = [(&raw.left, turns[0]), (&raw.right, turns[1])];
@@ -57,8 +62,9 @@ pub fn of_raw(raw: &Raw, size: [u32; 2], residuals: &Pinhole) -> Result<(Pinhole
     let least = LEAST_INSIDE.into_iter().find_map(find);
     ensure!(
         least.is_some(),
-        "the two cameras do not see the same: no focal length up to {} times their own fills both views",
-        FOCAL_PERCENT.end() / 100
+        "the two cameras do not see the same: no focal length up to {} times their own fills both views; is the size that of \
+         the calibrated pictures?",
+        f64::from(*FOCAL_PERCENT.end()) / 100.0
     );
     let (least, least_inside) = least.unwrap_or((100, 0.0));
     let mut best: Option<(f64, Description)> = None;

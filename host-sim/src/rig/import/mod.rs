@@ -14,11 +14,18 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail, ensure};
 
 use calibration::{Calibration, Camera, Raw};
+use formats::{Kind, Named};
 use haarline_rig::CameraModel;
+use nalgebra::Rotation3;
 use pinhole::Pinhole;
 
 /// Rows and columns, px, up to which what lenses and turns do is left alone.
 const MOST_LEFT: f64 = 0.1;
+/// Degrees by which one camera of a rig may be turned against the other; more is that of a view stored turned, or of a
+/// rotation between other things.
+const MOST_TURN_DEG: f64 = 30.0;
+/// Distances of the cameras that a rig may have, mm.
+const BASELINES_MM: std::ops::RangeInclusive<f64> = 1.0..=10_000.0;
 
 /// What a user tells beside the files.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -38,10 +45,12 @@ pub struct Options {
 pub struct Imported {
     /// What kind of files they were.
     pub kind: &'static str,
-    /// Columns and rows of a view, px.
+    /// Columns and rows of a calibrated picture, px.
+    pub calibrated_size: [u32; 2],
+    /// The frames are so many times smaller.
+    pub shrink: u32,
+    /// Columns and rows of a view, px. Those that fill no pixel of a smaller frame fall away.
     pub size: [u32; 2],
-    /// Columns and rows of the calibrated pictures that fill no pixel of the smaller frames.
-    pub cut: [u32; 2],
     /// The rig.
     pub rig: Pinhole,
     /// Distance of the cameras, mm.
@@ -57,10 +66,20 @@ pub struct Imported {
 /// # Errors
 /// Names the file, its kind and what is missing.
 pub fn import(files: &[PathBuf], options: &Options) -> Result<Imported> {
-    let documents = files.iter().map(|path| document::read(path)).collect::<Result<Vec<_>>>()?;
     ensure!(files.len() <= 2, "{} files: one or two are read, of two the left camera's first", files.len());
-    let names = files.iter().map(|path| path.display().to_string()).collect::<Vec<_>>().join(", ");
-    let calibration = formats::calibration(&documents).with_context(|| names.clone())?;
+    if let [one, other] = files {
+        let same = one == other || one.canonicalize().ok().is_some_and(|path| other.canonicalize().ok() == Some(path));
+        ensure!(
+            !same,
+            "{} and {} are the same file: give it alone where it tells of both cameras, else the left and the right camera's",
+            one.display(),
+            other.display()
+        );
+    }
+    let read = |path: &PathBuf| Ok(Named { name: path.display().to_string(), document: document::read(path)? });
+    let named = files.iter().map(read).collect::<Result<Vec<_>>>()?;
+    let calibration = formats::calibration(&named)?;
+    let names = named.iter().map(|file| file.name.as_str()).collect::<Vec<_>>().join(", ");
     of_calibration(&calibration, options).with_context(|| format!("{names}: {}", calibration.kind))
 }
 
@@ -82,6 +101,12 @@ fn of_calibration(calibration: &Calibration, options: &Options) -> Result<Import
         (Some(raw), _) if !options.is_rectified => {
             check_in_view(&raw.left, size)?;
             check_in_view(&raw.right, size)?;
+            let turn = Rotation3::from_matrix_unchecked(raw.rotation).angle().to_degrees();
+            ensure!(
+                turn <= MOST_TURN_DEG,
+                "the cameras are turned by {turn:.0} degrees to each other, {MOST_TURN_DEG} are the most: is one view stored \
+                 turned, or the rotation not that from the left to the right camera?"
+            );
             let shrunk = Raw { left: raw.left.shrunk(by), right: raw.right.shrunk(by), ..raw.clone() };
             let plain = pinhole::of_raw(&shrunk, small)?;
             if plain.row_residual[1].max(plain.column_residual[1]) <= MOST_LEFT {
@@ -98,16 +123,25 @@ fn of_calibration(calibration: &Calibration, options: &Options) -> Result<Import
     let unit_mm = options.unit_mm.or(calibration.unit_mm).or_else(|| unit_of(rig.baseline));
     let unit_mm = unit_mm.with_context(|| {
         format!(
-            "the distance of the cameras is {:.4}: tell by --unit-mm how many mm a unit is (the side of a square?)",
-            rig.baseline
+            "the distance of the cameras is {}: tell by --unit-mm how many mm a unit is (the side of a square?)",
+            short(rig.baseline)
         )
     })?;
+    let baseline_mm = rig.baseline * unit_mm;
+    ensure!(
+        BASELINES_MM.contains(&baseline_mm),
+        "the cameras would be {} mm apart, where 1 to 10000 mm are supported: the file tells {}, a unit is taken for {unit_mm} \
+         mm; tell by --unit-mm how many mm it is",
+        short(baseline_mm),
+        short(rig.baseline)
+    );
     Ok(Imported {
         kind: calibration.kind,
+        calibrated_size: size,
+        shrink: options.shrink,
         size: small,
-        cut: size.map(|px| px % options.shrink),
         rig,
-        baseline_mm: rig.baseline * unit_mm,
+        baseline_mm,
         is_rectified,
         cameras,
     })
@@ -123,6 +157,11 @@ fn check_in_view(camera: &Camera, [width, height]: [u32; 2]) -> Result<()> {
     Ok(())
 }
 
+/// A length with the digits that tell its size.
+fn short(length: f64) -> String {
+    if (0.01..1e6).contains(&length) { format!("{}", (length * 1e4).round() / 1e4) } else { format!("{length:.1e}") }
+}
+
 /// What the unit of a length between two cameras of a rig must be: mm or m, if one alone is likely.
 fn unit_of(baseline: f64) -> Option<f64> {
     match baseline {
@@ -134,10 +173,6 @@ fn unit_of(baseline: f64) -> Option<f64> {
 
 /// What kind of calibration file that is no rig description is, to tell a user who mixed them up.
 #[must_use]
-pub fn kind_of(path: &Path) -> Option<&'static str> {
-    let document = document::read(path).ok()?;
-    match formats::kind(&document) {
-        "a file of OpenCV's" => formats::calibration(&[document]).ok().map(|calibration| calibration.kind),
-        kind => Some(kind),
-    }
+pub fn kind_of(path: &Path) -> Option<Kind> {
+    Kind::of(&document::read(path).ok()?)
 }
