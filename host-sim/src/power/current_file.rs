@@ -265,6 +265,10 @@ struct Columns<'a> {
     names: &'a [String],
 }
 
+const fn is_no_text(character: char) -> bool {
+    matches!(character, char::REPLACEMENT_CHARACTER | '\0'..='\u{8}' | '\u{e}'..='\u{1f}')
+}
+
 /// Which program writes such a head.
 fn kind(names: &[String]) -> Result<Kind> {
     let has = |wanted: &str| names.iter().any(|name| name == wanted);
@@ -275,6 +279,8 @@ fn kind(names: &[String]) -> Result<Kind> {
         Ok(Kind::Waveform)
     } else if has("current") {
         Ok(Kind::Statistics)
+    } else if names.iter().any(|name| name.contains(is_no_text)) {
+        bail!("is no text, where an export with currents of a PPK2 or a Joulescope (CSV) is expected")
     } else {
         bail!(
             "is no export with currents of a PPK2 (Timestamp(ms),Current(uA),...) or a Joulescope (time,current,voltage,...): \

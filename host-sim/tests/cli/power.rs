@@ -300,6 +300,10 @@ fn what_cannot_be_measured_is_told_in_one_line() {
     bench.write("head.csv", "Timestamp(ms),Current(uA)\n");
     bench.refuses("power measure head.csv --volts 3.3", &["head.csv", "0 whole rows"]);
     bench.refuses("power measure none.csv --volts 3.3", &["none.csv", "cannot be read"]);
+    bench.write("noise.csv", [0x66, 0x81, 0x0e, 0x00, 0x2c, 0xf8]);
+    bench.refuses("power measure noise.csv --volts 3.3", &["noise.csv", "is no text"]);
+    bench.write("tabs.csv", "a\tb\n1\t2\n");
+    bench.refuses("power measure tabs.csv --volts 3.3", &["tabs.csv", "its first line is"]);
     bench.write("page.html", &good);
     bench.refuses("power measure page.html --volts 3.3 -o page.html", &["files that are read"]);
     // Cut off anywhere in its last row, the whole rows count.

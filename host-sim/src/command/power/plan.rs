@@ -45,7 +45,7 @@ pub(in crate::command) struct Args {
     #[arg(long, value_name = "LINES", value_parser = clap::value_parser!(u16).range(1..))]
     exposure_lines: Option<u16>,
     /// Charge of the battery, mAh, for the hours
-    #[arg(long, value_name = "mAh", value_parser = charge, requires = "volts")]
+    #[arg(long, value_name = "mAh", allow_hyphen_values = true, value_parser = charge, requires = "volts")]
     battery: Option<f64>,
     /// Mean voltage of the battery, V
     #[arg(long, value_name = "V", allow_hyphen_values = true, value_parser = number, requires = "battery")]
