@@ -364,7 +364,8 @@ impl<const WIDTH: usize> Bench<WIDTH> {
             let rows_q16 = self.estimate.ramp.displacement_q16(twice) - 256 * in_px;
             self.places.add(twice, self.settings.size, (rows_q16, in_px), weight);
             if pass.kind == Kind::Disparities {
-                self.disparities.add(self.blocks.disparity(block, offset), twice[1], weight);
+                let roll = self.estimate.ramp.roll_q16;
+                self.disparities.add(self.blocks.disparity(block, offset), twice[1], roll, weight);
             }
         }
     }

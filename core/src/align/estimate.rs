@@ -69,6 +69,8 @@ impl Estimate {
     /// Evidence that the order of the views needs, percent of what [`Estimate::sign_evidence`] and
     /// [`Estimate::ground_evidence`] count as 1.
     const LEAST_EVIDENCE: i32 = 140;
+    /// Roll up to which the ground is heard, 1/65536: 1.5 degrees.
+    const MOST_GROUND_ROLL_Q16: i32 = 1716;
     /// What a cue has to say to be heard at all.
     const SPEAKS: i32 = 50;
 
@@ -114,15 +116,22 @@ impl Estimate {
         (i32::from(self.median_disparity) * 100 / one).clamp(-300, 300)
     }
 
-    /// What the ground says, which is nearer below, percent: 100 at a correlation of 0.3.
+    /// What the ground says, which is nearer below, percent: 100 at a correlation of 0.3; nothing in views that are rolled by more than
+    /// 1.5 degrees, whose disparities change from row to row by themselves.
     #[must_use]
     pub fn ground_evidence(&self) -> i32 {
+        if self.ramp.roll_q16.abs() > Self::MOST_GROUND_ROLL_Q16 {
+            return 0;
+        }
         i32::from(self.ground_percent) * 100 / 30
     }
 
-    /// Which view is the left one, by both cues together.
+    /// Which view is the left one, by both cues together; what is not aligned has no disparities that tell.
     #[must_use]
     pub fn order(&self) -> Order {
+        if matches!(self.verdict(), Verdict::NotObservable | Verdict::Contradictory) {
+            return Order::NotObservable;
+        }
         let (sign, ground) = (self.sign_evidence(), self.ground_evidence());
         match sign + ground {
             Self::LEAST_EVIDENCE.. => Order::AsGiven,
@@ -165,6 +174,10 @@ mod tests {
         // A column offset of 5 px looks like swapped views.
         assert_eq!([order(-5, 45), order(5, -45)], [Order::Contradictory; 2]);
         assert_eq!([order(-5, 0), order(2, 10), order(0, 0)], [Order::NotObservable; 3]);
+        // What rolled views show of the ground does not count, what is not aligned not at all.
+        let rolled = Estimate { ramp: Ramp { roll_q16: -3000, ..Ramp::default() }, ..estimate(-4, -50) };
+        let unaligned = Estimate { agreement_percent: 50, ..estimate(18, 50) };
+        assert_eq!([rolled.order(), unaligned.order()], [Order::NotObservable; 2]);
     }
 
     #[test]

@@ -22,13 +22,16 @@ impl Disparities {
         self.sums = [0; 6];
     }
 
-    /// Adds a block of that weight in a row (twice its distance from the middle).
-    pub(super) fn add(&mut self, disparity: i16, row: i32, weight: u32) {
+    /// Adds a block of that weight in a row (twice its distance from the middle, px of the full size), of views of which the right one
+    /// is rolled: that changes disparities, px at half the size, from row to row, which is not the ground's doing.
+    pub(super) fn add(&mut self, disparity: i16, row: i32, roll_q16: i32, weight: u32) {
         let index = usize::try_from(i32::from(disparity) + SIDE).unwrap_or(0);
         if let Some(bin) = self.histogram.get_mut(index) {
             *bin = bin.saturating_add(weight);
         }
-        let (d, y, weight) = (i64::from(disparity), i64::from(row), i64::from(weight));
+        // In 1/16; half a px of the full size is a quarter at half the size.
+        let d = 16 * i64::from(disparity) - (i64::from(roll_q16) * i64::from(row) >> 14);
+        let (y, weight) = (i64::from(row), i64::from(weight));
         for (sum, term) in self.sums.iter_mut().zip([1, d, y, d * d, d * y, y * y]) {
             *sum += weight * term;
         }
@@ -74,7 +77,7 @@ mod tests {
         for (sign, wanted) in [(1, 100), (-1, -100)] {
             let mut found = Disparities::new();
             for row in -100..100_i16 {
-                found.add(sign * (20 + row / 10), row.into(), 3);
+                found.add(sign * (20 + row / 10), row.into(), 0, 3);
             }
             assert!((i32::from(found.ground_percent()) - wanted).abs() <= 2, "{}", found.ground_percent());
             let between = found.between(50).unwrap();
@@ -82,5 +85,16 @@ mod tests {
         }
         let none = Disparities::new();
         assert_eq!((none.ground_percent(), none.between(10)), (0, None));
+    }
+
+    #[test]
+    fn a_roll_is_not_the_ground() {
+        // A plane far away, rolled by 0.02: half a px of the full size in 50 rows of it.
+        let mut found = Disparities::new();
+        for row in (-240..=240).step_by(8) {
+            let disparity = i16::try_from((20 * 65_536 + 1311 * row / 4) >> 16).unwrap();
+            found.add(disparity, row, 1311, 3);
+        }
+        assert!(found.ground_percent().abs() < 30, "{}", found.ground_percent());
     }
 }

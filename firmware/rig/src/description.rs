@@ -372,6 +372,12 @@ mod tests {
         assert_eq!(error, "left_lens: has 0 numbers; lens = \"equidistant\" has 4");
         let corrected = parse(&[("disparity_correction", "[[0.5, -0.25, 1]]")]).unwrap();
         assert_eq!(corrected.correction_table().unwrap().nodes(), [128, -64, 256]);
+        // A roll alone: tan 1 degree by half of 239 rows above, as much less below. A fitted correction has that in it.
+        let rolled = parse(&[("roll_deg", "1.0")]).unwrap();
+        assert_eq!(rolled.correction_table().unwrap().nodes(), [534, 534, -534, -534]);
+        let fitted = parse(&[("roll_deg", "1.0"), ("disparity_correction", "[[0.5, -0.25, 1]]")]).unwrap();
+        assert_eq!(fitted.correction_table().unwrap().nodes(), [128, -64, 256]);
+        assert_eq!(parse(&[("roll_deg", "0.1")]).unwrap().correction_table(), None);
     }
 
     #[test]

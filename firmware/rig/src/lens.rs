@@ -5,6 +5,9 @@ use haarline::{Correction, LensTable};
 
 use crate::{Description, RigError};
 
+/// Disparities, px, that a roll may be off at the upper and lower border.
+const LEAST_SHEAR_PX: f64 = 0.25;
+
 /// How a lens bends rays.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Lens {
@@ -161,14 +164,25 @@ impl Description {
     /// The correction of disparities; `None` where there is none.
     #[must_use]
     pub fn correction_table(&self) -> Option<Correction> {
-        let columns = u16::try_from(self.correction.first()?.len()).ok()?;
-        Correction::new(columns, Vec::leak(self.correction_nodes()))
+        let (columns, nodes) = self.correction_nodes()?;
+        Correction::new(columns, Vec::leak(nodes))
     }
 
-    /// Its nodes, 1/256 px.
+    /// Columns of its nodes, and the nodes, 1/256 px: those of `disparity_correction`, else what a roll leaves.
     #[expect(clippy::cast_possible_truncation, reason = "fields are in range")]
-    pub(crate) fn correction_nodes(&self) -> Vec<i16> {
-        self.correction.iter().flatten().map(|px| (256.0 * px).round() as i16).collect()
+    pub(crate) fn correction_nodes(&self) -> Option<(u16, Vec<i16>)> {
+        let shear = self.shear();
+        let rows = if self.correction.is_empty() { shear.as_ref().map(|rows| &rows[..])? } else { &self.correction };
+        let nodes = rows.iter().flatten().map(|px| (256.0 * px).round() as i16).collect();
+        Some((u16::try_from(rows.first()?.len()).ok()?, nodes))
+    }
+
+    /// What a roll of the right view adds to disparities above and takes from them below, as rows alone are put right; `None` where
+    /// that is little. Lens tables turn views.
+    fn shear(&self) -> Option<[Vec<f64>; 2]> {
+        let border = self.roll_deg.to_radians().tan() * f64::from(self.height.max(1) - 1) / 2.0;
+        let is_seen = self.cameras.is_none() && border.abs() >= LEAST_SHEAR_PX;
+        is_seen.then(|| [border, -border].map(|px| vec![px; 2]))
     }
 
     /// Greatest distance of the tables from what the cameras see, px, and the share of both rectified views that the cameras

@@ -35,8 +35,8 @@ impl Description {
                 format!("Some([{left}, {right}])")
             },
         );
-        let correction = match self.correction.first() {
-            Some(row) => format!("Correction::new({}, &{:?})", row.len(), self.correction_nodes()),
+        let correction = match self.correction_nodes() {
+            Some((columns, nodes)) => format!("Correction::new({columns}, &{nodes:?})"),
             None => "None".to_owned(),
         };
         // What derives `Debug` and has public fields prints itself as an expression, if its types are in scope.

@@ -1,5 +1,6 @@
 //! `haarline align`: row offset, roll and scale of a rig from its own frames.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
@@ -10,7 +11,7 @@ use serde::Serialize;
 use super::shared::{FrameArgs, progress, readable};
 use super::{Finding, print};
 use crate::StereoPair;
-use crate::input::recording::RecordedFrame;
+use crate::input::recording::{RecordedFrame, Side};
 use crate::output;
 use crate::output::claims::Claims;
 use crate::rig::align::{self, Displacement};
@@ -53,8 +54,8 @@ struct Summary {
     row_offset: f64,
     roll_deg: f64,
     scale_percent: f64,
-    /// Standard errors of the three.
-    errors: [f64; 3],
+    /// Standard errors of the three, if anything was found.
+    errors: Option<[f64; 3]>,
     contrast_percent: u32,
     agreement_percent: u32,
     /// Standard deviation of the frames' own row offsets, px.
@@ -82,15 +83,29 @@ impl Args {
             check_update(&description, &middle)?;
         }
         let bar = progress(align::steps(frames.len()), "frames")?;
+        let mut same = BTreeSet::new();
         let estimate = align::align_all([middle.width(), middle.height()], |see| {
             for frame in &frames {
-                see(&frame.read()?).with_context(|| frame.file.clone())?;
+                let pair = frame.read()?;
+                if pair.left.luma == pair.right.luma {
+                    same.insert(frame.index);
+                }
+                see(&pair).with_context(|| frame.file.clone())?;
                 bar.inc(1);
             }
             Ok(())
         });
         bar.finish_and_clear();
         let estimate = estimate?;
+        // Nothing is the same in both views, too.
+        ensure!(
+            same.is_empty() || estimate.verdict() == Verdict::NotObservable,
+            Finding(format!(
+                "in {} of {} frames both views are the same image: one camera is read twice",
+                same.len(),
+                frames.len()
+            ))
+        );
         let found = Displacement::from(&estimate.ramp);
         let summary = Summary::new(&estimate, &found, frames.len(), damaged);
         if let Some(path) = self.picture.as_ref().filter(|_| estimate.ramp.is_valid()) {
@@ -99,7 +114,12 @@ impl Args {
         let refused = refusal(&estimate);
         let mut text = summary.text();
         if let (Some(file), None) = (&file, &refused) {
-            let changes = file.write(&fields(&found, &estimate, &middle, file.description().is_none()))?;
+            let mut fields = fields(&found, &estimate, &middle, file.description().is_none());
+            // The offsets are those of the views in this order.
+            if let Some(first) = self.frames.first() {
+                fields.push(("first", format!("\"{}\"", if first == Side::Left { "left" } else { "right" })));
+            }
+            let changes = file.write(&fields)?;
             text += &self.written(&changes);
         }
         print(&if self.json { serde_json::to_string(&summary)? + "\n" } else { text })?;
@@ -170,8 +190,8 @@ fn check_update(description: &Description, pair: &StereoPair) -> Result<()> {
 fn refusal(estimate: &Estimate) -> Option<String> {
     match (estimate.verdict(), estimate.order()) {
         (Verdict::NotObservable, _) if estimate.blocks == 0 || estimate.contrast_percent == 0 => Some(
-            "the row offset is not observable: the views have no texture in common; take frames of textured surroundings \
-             at one moment"
+            "the row offset is not observable: the views have no texture in common within 16 rows; take frames of textured \
+             surroundings at one moment, or turn a camera until both views show the same in about the same rows"
                 .to_owned(),
         ),
         (Verdict::NotObservable, _) => Some(format!(
@@ -210,7 +230,7 @@ impl Summary {
             row_offset: found.rows,
             roll_deg: found.roll_deg,
             scale_percent: found.scale_percent,
-            errors: [rows, roll.to_degrees(), 100.0 * scale],
+            errors: (estimate.blocks > 0).then(|| [rows, roll.to_degrees(), 100.0 * scale]),
             contrast_percent: estimate.contrast_percent,
             agreement_percent: estimate.agreement_percent,
             spread: f64::from(estimate.spread_q16) / 65_536.0,
@@ -245,6 +265,7 @@ impl Summary {
             ),
             other => other.to_owned(),
         };
+        let Some(errors) = errors else { return format!("{frames}: nothing was found that both views show\n") };
         format!(
             "{frames}: the right view lies {row_offset:.2} ± {:.2} rows lower, rolled by {roll_deg:.2} ± {:.2} degrees, {scale_percent:.2} \
              ± {:.2} % higher\nrow offset {}: contrast {contrast_percent} %, agreement {agreement_percent} %\nleft and right: {order}\ndisparities from {} to \

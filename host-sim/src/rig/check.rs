@@ -195,6 +195,8 @@ pub struct Checked {
     pub focal_px: f64,
     /// What is added to disparities before they become depths, px.
     pub doffs: f64,
+    /// Whether lens tables straighten the views.
+    pub has_lenses: bool,
 }
 
 impl Checked {
@@ -302,6 +304,27 @@ impl Checked {
         }
     }
 
+    /// What to turn by hand instead, as far as that makes a tenth of a row or more.
+    fn turns(&self) -> String {
+        let Displacement { rows, roll_deg, scale_percent } = self.displacement();
+        let [width, height] = self.seen.size.map(|side| side as f64);
+        let mut all = Vec::new();
+        if rows.abs() >= 0.1 {
+            let tilt = (rows.abs() / self.focal_px).atan().to_degrees();
+            all.push(format!("tilt the right camera {} by {tilt:.2} degrees", if rows > 0.0 { "down" } else { "up" }));
+        }
+        if roll_deg.to_radians().abs() * width / 2.0 >= 0.1 {
+            let side = if roll_deg > 0.0 { "clockwise" } else { "counter-clockwise" };
+            all.push(format!("turn it {side} by {:.2} degrees, as seen from behind", roll_deg.abs()));
+        }
+        if scale_percent.abs() / 100.0 * height / 2.0 >= 0.1 {
+            all.push(format!(
+                "its view is {scale_percent:.2} % higher: other lenses or focus, which only a calibration mends"
+            ));
+        }
+        if all.is_empty() { String::new() } else { format!("; or {}", all.join("; ")) }
+    }
+
     fn add_rows(&self, add: &mut impl FnMut(String, &str)) {
         match self.estimate.verdict() {
             Verdict::NotObservable => add(
@@ -318,22 +341,18 @@ impl Checked {
             ),
             Verdict::Observable => {
                 let (worst, bend) = (self.worst_ramp(), self.worst_bend());
-                if worst > MOST_ROWS {
-                    let Displacement { rows, roll_deg, .. } = self.displacement();
-                    let tilt = (rows.abs() / self.focal_px).atan().to_degrees();
-                    let turn = |is_so: bool, one: &'static str, other: &'static str| if is_so { one } else { other };
+                let off = format!("rows are up to {worst:.2} px off");
+                if worst > MOST_ROWS && self.has_lenses {
                     add(
-                        format!("rows are up to {worst:.2} px off"),
-                        &format!(
-                            "haarline align RECORDING -o RIG.toml --update; or tilt the right camera {} by {tilt:.2} degrees and \
-                             turn it {} by {:.2} degrees, as seen from behind",
-                            turn(rows > 0.0, "down", "up"),
-                            turn(roll_deg > 0.0, "clockwise", "counter-clockwise"),
-                            roll_deg.abs(),
-                        ),
+                        off,
+                        "the cameras moved since they were calibrated, the calibration is poor, or the frames are rectified already \
+                         (haarline rig import --rectified): calibrate anew (docs/rig.md)",
                     );
+                } else if worst > MOST_ROWS {
+                    add(off, &format!("haarline align RECORDING -o RIG.toml --update{}", self.turns()));
                 }
-                if bend > MOST_BEND {
+                // Before rows are about right, parts differ by what is to be put right.
+                if bend > MOST_BEND && worst <= MOST_ROWS {
                     add(
                         format!("parts of the view are up to {bend:.2} rows off beyond what turning mends: the lenses"),
                         "calibrate with chessboards and haarline rig import (docs/rig.md)",

@@ -111,6 +111,33 @@ fn what_does_not_show_it_is_not_observable() {
 }
 
 #[test]
+fn the_first_camera_is_written_and_one_image_twice_is_refused() {
+    let bench = Bench::new();
+    let pair = Pair::shifted(WIDTH, HEIGHT, 6);
+    let both: Vec<u8> = pair
+        .right
+        .chunks(WIDTH)
+        .zip(pair.left.chunks(WIDTH))
+        .flat_map(|(right, left)| [right, left].concat())
+        .collect();
+    let image = image::GrayImage::from_raw(2 * WIDTH as u32, HEIGHT as u32, both).unwrap();
+    bench.write("both/a.png", encode(&image.into(), ImageFormat::Png));
+    bench.succeeds("align both --layout side-by-side --first right -o rig.toml");
+    assert_eq!(bench.succeeds("rig show rig.toml --json").json()["first"], "right");
+    let told = bench.run("rig check both --layout side-by-side --rig rig.toml -o page.html").stdout;
+    assert!(!told.contains("swapped"), "{told}");
+
+    bench.write("same/left/a.png", encode(&pair.left_image(), ImageFormat::Png));
+    bench.write("same/right/a.png", encode(&pair.left_image(), ImageFormat::Png));
+    let refused = bench.run("align same -o same.toml");
+    assert!(
+        refused.status == 1 && refused.stderr.contains("in 1 of 1 frames both views are the same image"),
+        "{refused:?}"
+    );
+    assert!(!bench.path("same.toml").exists());
+}
+
+#[test]
 fn views_of_different_moments_are_contradictory() {
     let bench = Bench::new();
     for (name, down) in [("a", 2), ("b", 3), ("c", 2)] {

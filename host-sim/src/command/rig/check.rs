@@ -112,7 +112,14 @@ impl Args {
             bar.inc(1);
         }
         bar.finish_and_clear();
-        let checked = Checked { seen, estimate, rows, focal_px: rig.focal_px, doffs: geometry.doffs };
+        let checked = Checked {
+            seen,
+            estimate,
+            rows,
+            focal_px: rig.focal_px,
+            doffs: geometry.doffs,
+            has_lenses: rig.cameras.is_some(),
+        };
         let summary = Summary::new(&checked, &rig, damaged, self.output.display().to_string());
         let pictures =
             pictures(&middle, &rectification, &map.unwrap_or_else(|| DisparityMap::with_capacity(0, 0)), &geometry)?;

@@ -9,7 +9,7 @@ use super::{LayoutArgs, WiringArgs, warn_skipped};
 use crate::StereoPair;
 use crate::command::whole_number;
 use crate::input::raw_dump::{RawFormat, ViewSize};
-use crate::input::recording::{FrameRange, RecordedFrame, find_frames, find_raw_frames};
+use crate::input::recording::{FrameRange, RecordedFrame, Side, find_frames, find_raw_frames};
 
 /// Which frames of a recording, and how it stores them.
 #[derive(Debug, clap::Args)]
@@ -30,6 +30,11 @@ pub(in crate::command) struct FrameArgs {
 }
 
 impl FrameArgs {
+    /// Which camera is first in frames with both views, where an option tells it.
+    pub(in crate::command) const fn first(&self) -> Option<Side> {
+        self.wiring.first
+    }
+
     /// The frames of `recording` that are asked for; without --frames and --every at most `usual`, spread over it. What
     /// the options do not tell the rig does.
     pub(in crate::command) fn choose(
