@@ -275,15 +275,23 @@ impl Checked {
         }
     }
 
-    fn add_rest(&self, add: &mut impl FnMut(String, &str)) {
+    /// What is wrong with many of the frames as a whole; whether there is anything.
+    fn add_inputs(&self, add: &mut impl FnMut(String, &str)) -> bool {
+        let mut is_any = false;
         for input in [Input::Mismatch, Input::NothingSeen, Input::SameView] {
             let count = self.seen.inputs.iter().filter(|&&found| found == input).count();
             // Single frames may show what cannot be matched.
             if 4 * count > self.seen.frames {
                 let advice = input.advice().unwrap_or_default();
+                is_any = true;
                 add(format!("{count} of {} frames: {}", self.seen.frames, input.name()), advice);
             }
         }
+        is_any
+    }
+
+    fn add_rest(&self, add: &mut impl FnMut(String, &str)) {
+        self.add_inputs(add);
         if let Some(share) = self.seen.sure.whole().filter(|&share| share < LEAST_SURE) {
             add(
                 format!("{share:.0} % of the answers are sure"),
@@ -327,6 +335,7 @@ impl Checked {
 
     fn add_rows(&self, add: &mut impl FnMut(String, &str)) {
         match self.estimate.verdict() {
+            Verdict::NotObservable if self.add_inputs(add) => {}
             Verdict::NotObservable => add(
                 "the row error is not observable".to_owned(),
                 "take frames of textured surroundings that are not too near",

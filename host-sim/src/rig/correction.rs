@@ -26,6 +26,8 @@ const ROWS_SEEN: f64 = 0.75;
 const ROWS_PAY: f64 = 0.9;
 /// Greatest scatter of the cells about the fit, px: the plane is not where it was told to be.
 const MOST_SCATTER_PX: f64 = 0.5;
+/// By how much disparities may be wrong in the median, px: lenses leave less, other mistakes more.
+const MOST_WRONG_PX: f64 = 4.0;
 
 /// Where a plane stands, square before the left camera.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -153,6 +155,11 @@ impl Residuals {
                  the plane does not stand where it was told to, or something else was seen"
             );
         }
+        ensure!(
+            before <= MOST_WRONG_PX,
+            "contradictory: disparities are {before:.1} px wrong in the median, where {MOST_WRONG_PX} px are allowed: the distance, \
+             focal_px, baseline_mm or column_offset is wrong, or something else than such a plane was seen"
+        );
         let most = f64::from(Correction::MAX_NODE) / 256.0;
         ensure!(
             nodes.iter().all(|node| node.abs() <= most),

@@ -86,5 +86,5 @@ fn what_cannot_be_checked_is_refused_in_one_line() {
         bench.write(&format!("blank/{side}/a.png"), encode(&blank.left_image(), ImageFormat::Png));
     }
     let outcome = bench.run("rig check blank --rig rig.toml -o check.html");
-    assert!(outcome.status == 1 && outcome.stdout.contains("- the row error is not observable"), "{outcome:?}");
+    assert!(outcome.status == 1 && outcome.stdout.contains("- 1 of 1 frames: nothing-seen"), "{outcome:?}");
 }

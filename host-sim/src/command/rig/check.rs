@@ -218,10 +218,7 @@ impl Summary {
             _ => "not observable".to_owned(),
         };
         vec![
-            (
-                "frames",
-                format!("{}, {} damaged, {} not two views of one scene", self.frames, self.damaged, self.not_ok_frames),
-            ),
+            ("frames", format!("{}, {} damaged, {} not ok as a whole", self.frames, self.damaged, self.not_ok_frames)),
             ("row error behind the description", rows),
             ("left and right", self.order.to_owned()),
             ("sure answers", share(self.sure_percent)),
