@@ -30,7 +30,7 @@ impl Disparities {
             *bin = bin.saturating_add(weight);
         }
         // In 1/16; half a px of the full size is a quarter at half the size.
-        let d = 16 * i64::from(disparity) - (i64::from(roll_q16) * i64::from(row) >> 14);
+        let d = 16 * i64::from(disparity) - ((i64::from(roll_q16) * i64::from(row)) >> 14);
         let (y, weight) = (i64::from(row), i64::from(weight));
         for (sum, term) in self.sums.iter_mut().zip([1, d, y, d * d, d * y, y * y]) {
             *sum += weight * term;
