@@ -59,8 +59,12 @@ impl Correction {
     }
 
     /// Adds it to the disparities of row `y`. What is unknown stays so.
+    ///
+    /// What is the same in all columns is so in four rows, too, those of a tile: rows of a row of cells stay such.
     pub fn apply(&self, y: u32, row: &mut [Disparity]) {
         let columns = usize::from(self.columns);
+        let is_flat = self.is_flat();
+        let y = if is_flat { y / TILE_ROWS * TILE_ROWS + TILE_ROWS / 2 } else { y };
         let rows = self.nodes.len() / columns.max(1);
         // Nodes above and below, and how far from one to the other, 1/256.
         let down =
@@ -74,6 +78,9 @@ impl Correction {
             let [above, below] = [above, below].map(|row| row.get(i).copied().map_or(0, i32::from));
             above * (256 - weight) + below * weight
         };
+        if is_flat {
+            return add_to_all(row, (node(0) + (1 << 11)) >> 12);
+        }
         let (span, segments) = (row.len().saturating_sub(1), columns.saturating_sub(1).max(1));
         for segment in 0..segments {
             let first = (segment * span).div_ceil(segments);
@@ -89,12 +96,38 @@ impl Correction {
                 node(segment) + i32::try_from(i64::from(rise) * i64::from(from_node) / i64::from(scale)).unwrap_or(0);
             add += 1 << 11;
             for disparity in part {
-                if let Some(bits) = disparity.known() {
-                    let sum = (i32::from(bits) + (add >> 12)).clamp(i32::from(i16::MIN) + 1, i32::from(i16::MAX));
-                    *disparity = Disparity::from_bits(i16::try_from(sum).unwrap_or(bits));
-                }
+                *disparity = sum(*disparity, add >> 12);
                 add += step;
             }
+        }
+    }
+
+    /// Whether it is the same in all columns.
+    fn is_flat(&self) -> bool {
+        self.nodes.chunks(usize::from(self.columns).max(1)).all(|row| row.windows(2).all(|two| two[0] == two[1]))
+    }
+}
+
+/// Rows of a tile.
+const TILE_ROWS: u32 = 4;
+
+/// A disparity and some sixteenths of a px more.
+#[inline(always)]
+fn sum(disparity: Disparity, add: i32) -> Disparity {
+    disparity.known().map_or(disparity, |bits| {
+        let sum = (i32::from(bits) + add).clamp(i32::from(i16::MIN) + 1, i32::from(i16::MAX));
+        Disparity::from_bits(i16::try_from(sum).unwrap_or(bits))
+    })
+}
+
+#[inline(never)]
+fn add_to_all(row: &mut [Disparity], add: i32) {
+    // 64 px at most.
+    let add = i16::try_from(add).unwrap_or(0);
+    for disparity in row {
+        let bits = disparity.into_bits();
+        if bits != Disparity::UNKNOWN.into_bits() {
+            *disparity = Disparity::from_bits(bits.saturating_add(add).max(i16::MIN + 1));
         }
     }
 }
@@ -120,7 +153,7 @@ mod tests {
         for x in 4..64 {
             assert!((row[x + 1] - row[x]).abs() <= 4, "{x}");
         }
-        let down = Correction::new(2, &[0, 0, 512, 512, 0, 0]).unwrap();
+        let down = Correction::new(2, &[0, 0, 512, 512, 0, 1]).unwrap();
         assert_eq!([0, 10, 20, 30, 40].map(|y| added(down, [65, 41], y)[40]), [0, 16, 32, 16, 0]);
     }
 
@@ -148,5 +181,16 @@ mod tests {
     fn what_is_no_table_is_none() {
         assert!(Correction::new(1, &[0]).is_none() && Correction::new(2, &[0, 0, 0]).is_none());
         assert!(Correction::new(2, &[0, i16::MIN]).is_none() && Correction::new(34, &[0; 34]).is_none());
+    }
+
+    #[test]
+    fn what_is_the_same_in_all_columns_is_so_in_the_rows_of_a_tile() {
+        // From 8 px above to as much less below.
+        let correction = Correction::new(2, &[2048, 2048, -2048, -2048]).unwrap();
+        for y in 0..64 {
+            let [first, .., last] = added(correction, [65, 64], y);
+            let exact = 128.0 - 256.0 * (f64::from(y / 4 * 4) + 2.0) / 63.0;
+            assert!(first == last && (f64::from(first) - exact).abs() <= 1.1, "{y}: {first}, {exact}");
+        }
     }
 }
