@@ -15,9 +15,8 @@ pub const MAX_WIDTH: usize = 320;
 pub const MAX_RAW: usize = 2 * MAX_WIDTH;
 /// Raw rows between capture and vision, unless the board says otherwise: so many, and memory does not grow with the height.
 pub const RAW_ROWS: usize = 32;
-/// Slots of disparity rows that go together between vision and results: more than come at once at the end of a frame, of two rows
-/// each where a rig needs forty to be rectified.
-pub const RESULT_SLOTS: usize = 28;
+/// Slots of disparity rows that go together between vision and results: more than come at once at the end of a frame.
+pub const RESULT_SLOTS: usize = 10;
 /// Most rows of a slot.
 pub const MAX_TOGETHER: usize = MAX_CELL_ROWS as usize;
 
