@@ -11,6 +11,8 @@ pub struct Correction {
     nodes: &'static [i16],
     columns: u16,
     size: [u16; 2],
+    /// Whether it is the same in all columns.
+    is_flat: bool,
 }
 
 impl Correction {
@@ -30,14 +32,15 @@ impl Correction {
         if nodes.len() / count > Self::MAX_NODES[1] {
             return None;
         }
-        let mut i = 0;
+        let (mut i, mut is_flat) = (0, true);
         while i < nodes.len() {
             if nodes[i].unsigned_abs() > Self::MAX_NODE {
                 return None;
             }
+            is_flat = is_flat && nodes[i] == nodes[i - i % count];
             i += 1;
         }
-        Some(Self { nodes, columns, size: [0; 2] })
+        Some(Self { nodes, columns, size: [0; 2], is_flat })
     }
 
     /// The same for views of that size, px.
@@ -63,8 +66,7 @@ impl Correction {
     /// What is the same in all columns is so in four rows, too, those of a tile: rows of a row of cells stay such.
     pub fn apply(&self, y: u32, row: &mut [Disparity]) {
         let columns = usize::from(self.columns);
-        let is_flat = self.is_flat();
-        let y = if is_flat { y / TILE_ROWS * TILE_ROWS + TILE_ROWS / 2 } else { y };
+        let y = if self.is_flat { y / TILE_ROWS * TILE_ROWS + TILE_ROWS / 2 } else { y };
         let rows = self.nodes.len() / columns.max(1);
         // Nodes above and below, and how far from one to the other, 1/256.
         let down =
@@ -78,7 +80,7 @@ impl Correction {
             let [above, below] = [above, below].map(|row| row.get(i).copied().map_or(0, i32::from));
             above * (256 - weight) + below * weight
         };
-        if is_flat {
+        if self.is_flat {
             return add_to_all(row, (node(0) + (1 << 11)) >> 12);
         }
         let (span, segments) = (row.len().saturating_sub(1), columns.saturating_sub(1).max(1));
@@ -100,11 +102,6 @@ impl Correction {
                 add += step;
             }
         }
-    }
-
-    /// Whether it is the same in all columns.
-    fn is_flat(&self) -> bool {
-        self.nodes.chunks(usize::from(self.columns).max(1)).all(|row| row.windows(2).all(|two| two[0] == two[1]))
     }
 }
 
