@@ -22,7 +22,7 @@ use crate::stereo::frame_check::FrameCheck;
 use crate::stereo::method::MethodKind;
 use crate::stereo::obstacles::{FrameObstacles, ObstacleFinder, ObstacleSummary};
 use crate::stereo::pipeline::{self, Run};
-use crate::{Geometry, StereoPair};
+use crate::{Geometry, StereoPair, input::rig_file};
 
 /// Arguments of `haarline depth`.
 #[derive(Debug, clap::Args)]
@@ -106,16 +106,18 @@ struct DepthSummary {
 impl Args {
     pub(super) fn run(self) -> Result<()> {
         let pair = self.read_pair()?;
-        let rig = self.depth.rig(&self.rig, &self.search, Some([pair.width(), pair.height()]))?;
+        let size = [pair.width(), pair.height()];
+        let described = self.rig.description()?;
+        let rig = self.depth.rig(&self.rig, described.as_ref(), &self.search, Some(size))?;
         let geometry = self.depth.geometry(rig.as_ref())?;
         let max_depth_m = self.depth.max_depth_m(geometry.as_ref())?;
         let method = self.method.get()?;
         let min_confidence = self.fill.least(&self.min_confidence, method.kind)?;
         let files = self.files()?;
         self.check_outputs(&files, geometry.is_some())?;
-        let config = match &rig {
-            Some(rig) => {
-                self.rig.check_size(rig, self.depth.shrink, [pair.width(), pair.height()])?;
+        let config = match described.as_ref().zip(rig.as_ref()) {
+            Some((described, rig)) => {
+                rig_file::check_shrunk_size(described, rig, self.depth.shrink, size)?;
                 rig.config()
             }
             None => self.search.config(pair.width() as u16)?,

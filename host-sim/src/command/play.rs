@@ -19,6 +19,7 @@ use super::{Finding, number, print, whole_number};
 use crate::input::raw_dump::{RawFormat, ViewSize};
 use crate::input::raw_stream::RawStream;
 use crate::input::recording::{FrameRange, find_frames, find_raw_frames};
+use crate::input::rig_file;
 use crate::output::claims::Claims;
 use crate::output::map_file::MapKind;
 use crate::play::source::Source;
@@ -126,11 +127,13 @@ impl Args {
         self.search.config(Config::MAX_WIDTH)?;
         let step = usize::try_from(self.every).ok().filter(|&step| step > 0);
         let step = step.with_context(|| format!("--every {}: must be 1 or more", self.every))?;
-        let mut source = self.source(self.rig.description()?.as_ref())?;
+        let described = self.rig.description()?;
+        let mut source = self.source(described.as_ref())?;
         let claims = self.claims(&source);
         let recorded = source.choose(self.frames.unwrap_or_default(), step)?;
         let size = source.size(self.depth.shrink);
-        let rig = self.depth.rig(&self.rig, &self.search, size.map(|(width, height)| [width.into(), height]))?;
+        let sides = size.map(|(width, height)| [width.into(), height]);
+        let rig = self.depth.rig(&self.rig, described.as_ref(), &self.search, sides)?;
         let free_beyond_mm = self.free_beyond_mm()?;
         if let (Some(rig), Some(_)) = (&rig, &self.mavlink) {
             warn_of_pace(rig.frame_rate_hz);
@@ -138,8 +141,8 @@ impl Args {
         let files = self.files(rig.as_ref())?;
         let format = match size {
             Some((width, height)) => {
-                if let Some(rig) = &rig {
-                    self.rig.check_size(rig, self.depth.shrink, [width.into(), height])?;
+                if let Some((described, rig)) = described.as_ref().zip(rig.as_ref()) {
+                    rig_file::check_shrunk_size(described, rig, self.depth.shrink, [width.into(), height])?;
                 }
                 let config = rig.as_ref().map_or_else(|| self.search.config(width), |rig| Ok(rig.config()))?;
                 Some((config, height))

@@ -159,7 +159,9 @@ struct Summary {
 impl Args {
     pub(super) fn run(self) -> Result<()> {
         let min_confidence = self.min_confidence.get(Some(self.method))?;
-        let rig = self.rig.read(&self.search, [None; 2], Shrink::NONE, None)?;
+        let described = self.rig.description()?;
+        let fitted = |described| self.rig.fitted(described, &self.search, [None; 2], Shrink::NONE, None);
+        let rig = described.as_ref().map(fitted).transpose()?;
         let footage = self.read(rig.as_ref())?;
         let ViewSize { width, height } = footage.format.size;
         let (width, height) = (usize::from(width), usize::from(height));

@@ -83,16 +83,15 @@ fn advice(rig: [usize; 2], views: [usize; 2]) -> String {
     }
 }
 
-/// Refuses shrunk views of another size than those of the rig in the file `path`, shrunk as they are.
+/// Refuses shrunk views of another size than those of the rig, which was described as `rig` and is `shrunk` as they are.
 ///
 /// # Errors
 /// Names the sizes before and after.
-pub fn check_shrunk_size(path: &Path, shrunk: &Description, shrink: Shrink, size: [usize; 2]) -> Result<()> {
+pub fn check_shrunk_size(rig: &Description, shrunk: &Description, shrink: Shrink, size: [usize; 2]) -> Result<()> {
     let [width, height] = [shrunk.width, shrunk.height].map(usize::from);
     if shrink == Shrink::NONE || [width, height] == size {
         return check_size(shrunk, size);
     }
-    let rig = read(path)?;
     let k = shrink.factor();
     let advice = advice([width, height], size);
     bail!(

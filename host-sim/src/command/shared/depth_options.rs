@@ -27,14 +27,17 @@ pub(in crate::command) struct DepthOptions {
 }
 
 impl DepthOptions {
-    /// The rig, with the values of these options where they tell some; of shrunken views of `size`, if that is known.
+    /// The rig that was described, with the values of these options where they tell some; of shrunken views of `size`, if that is
+    /// known.
     pub(in crate::command) fn rig(
         &self,
         rig: &RigArg,
+        described: Option<&Description>,
         search: &SearchRange,
         size: Option<[usize; 2]>,
     ) -> Result<Option<Description>> {
-        rig.read(search, [self.focal_px, self.baseline_mm], self.shrink, size)
+        let fitted = |described| rig.fitted(described, search, [self.focal_px, self.baseline_mm], self.shrink, size);
+        described.map(fitted).transpose()
     }
 
     /// Focal length and baseline, if they are known; `rig` has what the options told already.

@@ -1,6 +1,6 @@
 //! The rig's description, with what options tell otherwise.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 use haarline_rig::Description;
@@ -29,16 +29,17 @@ impl RigArg {
         self.rig.as_deref().map(rig_file::read).transpose()
     }
 
-    /// The description, if there is one, with the search range, focal length in px and baseline in mm of the
-    /// options where these tell some: of views of `size` once they are shrunk, if that is known.
-    pub(in crate::command) fn read(
+    /// What was described, with the search range, focal length in px and baseline in mm of the options where these tell
+    /// some: of views of `size` once they are shrunk, if that is known.
+    pub(in crate::command) fn fitted(
         &self,
+        described: &Description,
         search: &SearchRange,
         [focal_px, baseline_mm]: [Option<f64>; 2],
         shrink: Shrink,
         size: Option<[usize; 2]>,
-    ) -> Result<Option<Description>> {
-        let (Some(path), Some(mut rig)) = (&self.rig, self.description()?) else { return Ok(None) };
+    ) -> Result<Description> {
+        let mut rig = described.clone();
         // One that was imported for the small views is theirs already.
         let is_small = size == Some([rig.width, rig.height].map(usize::from)) && shrink != Shrink::NONE;
         if let Some(focal_px) = focal_px {
@@ -52,15 +53,7 @@ impl RigArg {
         rig.baseline_mm = baseline_mm.unwrap_or(rig.baseline_mm);
         // Refuses what is not positive, in the options' words.
         Geometry::new(rig.focal_px, rig.baseline_mm)?;
-        rig.check().with_context(|| path.display().to_string())?;
-        Ok(Some(rig))
-    }
-
-    /// Refuses views of another size than the rig's that was read, after `shrink`.
-    pub(in crate::command) fn check_size(&self, rig: &Description, shrink: Shrink, size: [usize; 2]) -> Result<()> {
-        match &self.rig {
-            Some(path) => rig_file::check_shrunk_size(path, rig, shrink, size),
-            None => rig_file::check_size(rig, size),
-        }
+        rig.check().with_context(|| self.rig.as_deref().unwrap_or_else(|| Path::new("--rig")).display().to_string())?;
+        Ok(rig)
     }
 }
