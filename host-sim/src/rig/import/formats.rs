@@ -142,7 +142,7 @@ pub fn calibration(files: &[Named]) -> Result<Calibration> {
         (Some(kind), [_, _]) => {
             bail!("{}: each is {}, which tells of both cameras: give one of them", names(), kind.words())
         }
-        (_, [Named { document: Document::Lines(lines), .. }]) if lines.contains_key("cam0") => {
+        (Some(Kind::Middlebury), [Named { document: Document::Lines(lines), .. }]) => {
             middlebury(lines).with_context(names)
         }
         (_, [Named { document: Document::Lines(lines), .. }]) => kitti(lines).with_context(names),
