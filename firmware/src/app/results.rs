@@ -4,7 +4,7 @@ use haarline::packet::{Encoder, FrameEnd, PacketError, max_bytes};
 use haarline::{DisparityRow, Stage};
 
 use crate::app::edge::{PacketSink, WorkClock};
-use crate::app::ring::{From, MAX_TOGETHER, MAX_WIDTH, ResultKind, ResultRows};
+use crate::app::ring::{From, MAX_WIDTH, ResultKind, ResultRows, SLOT_ROWS};
 
 /// Room for the packet of the widest row.
 #[expect(clippy::cast_possible_truncation, reason = "a few hundred columns")]
@@ -39,24 +39,25 @@ pub async fn results(mut rows: From<ResultRows>, mut sink: impl PacketSink, size
             open = None;
         } else {
             end.rows += u32::try_from(slot.count).unwrap_or(0);
-            let all: [DisparityRow<'_>; MAX_TOGETHER] = core::array::from_fn(|nth| {
+            let all: [DisparityRow<'_>; SLOT_ROWS] = core::array::from_fn(|nth| {
                 let width = slot.width;
                 let disparity = slot.disparity.get(nth).and_then(|row| row.get(..width)).unwrap_or(&[]);
                 let confidence = slot.confidence.get(nth).and_then(|row| row.get(..width)).unwrap_or(&[]);
                 let y = slot.place.row.saturating_add(u32::try_from(nth).unwrap_or(0));
                 DisparityRow { y, disparity, confidence }
             });
-            let mut left = all.get(..slot.count).unwrap_or(&all);
-            while !left.is_empty() {
-                let mut count = 1;
-                let packet = sender.make(|encoder, buffer| {
-                    encoder.rows(frame, left, buffer).map(|(together, packet)| {
-                        count = together;
-                        packet
-                    })
-                });
-                sink.send(frame, packet).await;
-                left = left.get(count..).unwrap_or(&[]);
+            for mut left in all.get(..slot.count).unwrap_or(&all).chunks(slot.together.max(1)) {
+                while !left.is_empty() {
+                    let mut count = 1;
+                    let packet = sender.make(|encoder, buffer| {
+                        encoder.rows(frame, left, buffer).map(|(together, packet)| {
+                            count = together;
+                            packet
+                        })
+                    });
+                    sink.send(frame, packet).await;
+                    left = left.get(count..).unwrap_or(&[]);
+                }
             }
         }
         rows.receive_done();

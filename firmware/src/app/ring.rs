@@ -15,10 +15,11 @@ pub const MAX_WIDTH: usize = 320;
 pub const MAX_RAW: usize = 2 * MAX_WIDTH;
 /// Raw rows between capture and vision, unless the board says otherwise: so many, and memory does not grow with the height.
 pub const RAW_ROWS: usize = 32;
-/// Slots of disparity rows that go together between vision and results: more than come at once at the end of a frame.
-pub const RESULT_SLOTS: usize = 10;
-/// Most rows of a slot.
-pub const MAX_TOGETHER: usize = MAX_CELL_ROWS as usize;
+/// Rows of a slot of disparity rows: as many as the largest row of cells has.
+pub const SLOT_ROWS: usize = MAX_CELL_ROWS as usize;
+/// Slots of disparity rows between vision and results: more than come at once at the end of a frame, the 40 included that may wait
+/// to be rectified.
+pub const RESULT_SLOTS: usize = 16;
 
 /// The sending end of a ring.
 pub type To<T> = Sender<'static, CriticalSectionRawMutex, T>;
@@ -74,15 +75,17 @@ pub enum ResultKind {
 #[repr(C, align(4))]
 pub struct ResultRows {
     /// Disparity of each pixel. These two come first, at words: so they are copied by words.
-    pub disparity: [[Disparity; MAX_WIDTH]; MAX_TOGETHER],
+    pub disparity: [[Disparity; MAX_WIDTH]; SLOT_ROWS],
     /// Confidence of each pixel.
-    pub confidence: [[u8; MAX_WIDTH]; MAX_TOGETHER],
+    pub confidence: [[u8; MAX_WIDTH]; SLOT_ROWS],
     /// Which it is.
     pub kind: ResultKind,
     /// Where the first row belongs.
     pub place: Place,
-    /// Rows that count, at most [`MAX_TOGETHER`].
+    /// Rows that count, at most [`SLOT_ROWS`].
     pub count: usize,
+    /// How many of them go into a packet together.
+    pub together: usize,
     /// Columns that count.
     pub width: usize,
     /// What had happened when it was made.
@@ -97,9 +100,10 @@ impl ResultRows {
         kind: ResultKind::Rows,
         place: Place { frame: 0, row: 0 },
         count: 0,
+        together: 0,
         width: 0,
-        disparity: [[Disparity::from_bits(0); MAX_WIDTH]; MAX_TOGETHER],
-        confidence: [[0; MAX_WIDTH]; MAX_TOGETHER],
+        disparity: [[Disparity::from_bits(0); MAX_WIDTH]; SLOT_ROWS],
+        confidence: [[0; MAX_WIDTH]; SLOT_ROWS],
         counters: Counters::ZERO,
         end: FrameEnd::NONE,
     };

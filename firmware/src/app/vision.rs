@@ -6,7 +6,7 @@ use haarline::{DisparityRow, Stage, StereoMethod, Wiring};
 
 use crate::app::edge::{Work, WorkClock};
 use crate::app::lookout::{Lookout, Sighting};
-use crate::app::ring::{From, MAX_TOGETHER, MAX_WIDTH, RawKind, RawRow, ResultKind, ResultRows, SharedCounters, To};
+use crate::app::ring::{From, MAX_WIDTH, RawKind, RawRow, ResultKind, ResultRows, SLOT_ROWS, SharedCounters, To};
 
 /// A row of a view, at a word: so it is written and read by words.
 #[repr(align(4))]
@@ -27,7 +27,7 @@ pub async fn vision<const SECTORS: usize, const BLOCKS: usize>(
     let (mut left, mut right) = (View([0; MAX_WIDTH]), View([0; MAX_WIDTH]));
     let (Some(left), Some(right)) = (left.0.get_mut(..width), right.0.get_mut(..width)) else { return };
     // Rows of a cell are sent together, others two at a time.
-    let together = usize::try_from(method.cell_height()).map_or(2, |rows| rows.clamp(2, MAX_TOGETHER));
+    let together = usize::try_from(method.cell_height()).map_or(2, |rows| rows.clamp(2, SLOT_ROWS));
     let mut takers = Takers { lookout, results, counters, end: FrameEnd::NONE, together, waiting: 0 };
     // The frame under way, and when it began.
     let mut open = None;
@@ -77,9 +77,9 @@ struct Takers<'a, const SECTORS: usize, const BLOCKS: usize, T> {
     counters: &'a SharedCounters,
     /// What becomes of the frame under way.
     end: FrameEnd,
-    /// Rows that are sent together.
+    /// Rows that go into a packet together.
     together: usize,
-    /// Rows that wait in the ring for those below them.
+    /// Rows that wait in a slot for those below them.
     waiting: usize,
 }
 
@@ -105,11 +105,12 @@ impl<const SECTORS: usize, const BLOCKS: usize, T: FnMut(Sighting<SECTORS>)> Tak
         };
         row.copy_to(disparity, confidence);
         if nth == 0 {
-            (slot.kind, slot.place, slot.width) = (ResultKind::Rows, Place { frame, row: row.y }, width);
+            (slot.kind, slot.place) = (ResultKind::Rows, Place { frame, row: row.y });
+            (slot.width, slot.together) = (width, self.together);
         }
         slot.count = nth + 1;
         self.waiting = nth + 1;
-        if self.waiting == self.together || (row.y as usize + 1).is_multiple_of(self.together) {
+        if (row.y as usize + 1).is_multiple_of(SLOT_ROWS) {
             self.hand_on();
         }
     }

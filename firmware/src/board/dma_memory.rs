@@ -42,11 +42,34 @@ impl<T> DmaCell<T> {
     ///
     /// # Panics
     /// If it was handed out before.
-    #[expect(unsafe_code, reason = "handed out once")]
     pub fn take(&self, value: T) -> &'static mut T {
+        self.uninit().write(value)
+    }
+
+    /// Hands the memory out as it is, once.
+    #[expect(unsafe_code, reason = "handed out once")]
+    fn uninit(&self) -> &'static mut MaybeUninit<T> {
         assert!(!self.is_taken.swap(true, Ordering::AcqRel), "handed out twice");
         // SAFETY: the only cell of this memory keeps everybody else away.
-        unsafe { (*self.memory.0.get()).write(value) }
+        unsafe { &mut *self.memory.0.get() }
+    }
+}
+
+impl<T, const N: usize> DmaCell<[T; N]> {
+    /// Fills an array one by one, in place: one that is larger than the stack, too.
+    ///
+    /// # Panics
+    /// If it was handed out before.
+    #[expect(unsafe_code, reason = "written element by element")]
+    pub fn fill(&self, value: impl Fn() -> T) -> &'static mut [T; N] {
+        let array = self.uninit();
+        let first: *mut T = array.as_mut_ptr().cast();
+        for nth in 0..N {
+            // SAFETY: the array has N of them.
+            unsafe { first.add(nth).write(value()) };
+        }
+        // SAFETY: each was written.
+        unsafe { array.assume_init_mut() }
     }
 }
 

@@ -1,5 +1,6 @@
 //! A stereo method behind a rig that is rectified as it streams.
 
+use super::stage::Plan;
 use super::{Offset, Rectification, Rectifier};
 use crate::frame_figures::{FrameFigures, Input};
 use crate::front_end::noise::RawNoise;
@@ -54,6 +55,8 @@ impl<M: StereoMethod, const ROWS: usize, const WIDTH: usize, C: StageClock> Rect
     ///
     /// # Errors
     /// As [`Rectifier::new`].
+    // In line: else the rows are moved from function to function, each with room for all of them on the stack.
+    #[inline(always)]
     pub fn timed(method: M, height: u16, rectification: Rectification, clock: C) -> Result<Self, ConfigError> {
         if usize::from(method.config().width) > WIDTH {
             return Err(ConfigError::Capacity { max_width: u16::try_from(WIDTH).unwrap_or(u16::MAX) });
@@ -63,9 +66,21 @@ impl<M: StereoMethod, const ROWS: usize, const WIDTH: usize, C: StageClock> Rect
         }
         let size = [method.config().width, height];
         let correction = rectification.correction.map(|correction| correction.of_size(size));
-        let rectifier = if rectification.is_straight() { None } else { Some(Rectifier::new(size, rectification)?) };
-        let after = After { watch: RowWatch::new(size), correction, corrected: [Disparity::UNKNOWN; WIDTH] };
-        Ok(Self { method, clock, rectifier, noise: RawNoise::new(), differ: false, were_same: false, after })
+        let plan =
+            if rectification.is_straight() { None } else { Some(Plan::new(size, rectification, [ROWS, WIDTH])?) };
+        let mut this = Self {
+            method,
+            clock,
+            rectifier: None,
+            noise: RawNoise::new(),
+            differ: false,
+            were_same: false,
+            after: After { watch: RowWatch::new(size), correction, corrected: [Disparity::UNKNOWN; WIDTH] },
+        };
+        if let Some(plan) = plan {
+            this.rectifier.insert(Rectifier::of(plan)).start();
+        }
+        Ok(this)
     }
 
     /// The method behind.

@@ -84,16 +84,30 @@ const fn ceil(q16: i32) -> i32 {
     -((-q16) >> FRAC_BITS)
 }
 
-impl<const ROWS: usize, const WIDTH: usize> Rectifier<ROWS, WIDTH> {
-    /// For views of `size` px that are put right by `rectification`.
+/// How rows wait for what puts two views right.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Plan {
+    size: [u16; 2],
+    rectification: Rectification,
+    /// Rows that an answer waits.
+    waits: usize,
+    /// Rows of each view that the ring holds.
+    rows: [usize; 2],
+}
+
+impl Plan {
+    /// For a ring of so many rows of such a width.
     ///
     /// # Errors
-    /// If the width is over the capacity, a figure is out of its range, lens tables are those of another size, or more rows
-    /// must wait than the ring holds.
-    pub fn new(size: [u16; 2], rectification: Rectification) -> Result<Self, ConfigError> {
+    /// As [`Rectifier::new`].
+    pub(super) fn new(
+        size: [u16; 2],
+        rectification: Rectification,
+        [capacity, width]: [usize; 2],
+    ) -> Result<Self, ConfigError> {
         let Rectification { ramp, columns, lenses, .. } = rectification;
-        if usize::from(size[0]) > WIDTH {
-            return Err(ConfigError::Capacity { max_width: u16::try_from(WIDTH).unwrap_or(u16::MAX) });
+        if usize::from(size[0]) > width {
+            return Err(ConfigError::Capacity { max_width: u16::try_from(width).unwrap_or(u16::MAX) });
         }
         if !ramp.is_valid() {
             return Err(ConfigError::RowOffset { max_rows: Offset::MAX_ROWS.unsigned_abs() });
@@ -104,8 +118,8 @@ impl<const ROWS: usize, const WIDTH: usize> Rectifier<ROWS, WIDTH> {
         if lenses.is_some_and(|lenses| lenses.iter().any(|table| table.size() != size)) {
             return Err(ConfigError::LensSize);
         }
-        if lenses.is_some() && columns_needed(size[0]) > WIDTH {
-            return Err(ConfigError::Capacity { max_width: u16::try_from(WIDTH / (2 * LEN) * 32).unwrap_or(u16::MAX) });
+        if lenses.is_some() && columns_needed(size[0]) > width {
+            return Err(ConfigError::Capacity { max_width: u16::try_from(width / (2 * LEN) * 32).unwrap_or(u16::MAX) });
         }
         let ([left, right], waits) = match &lenses {
             Some(lenses) => {
@@ -117,11 +131,31 @@ impl<const ROWS: usize, const WIDTH: usize> Rectifier<ROWS, WIDTH> {
                 (rows, rows[0] - 1 - usize::from(ramp.is_between_rows()))
             }
         };
-        if left + right > ROWS || left.max(right) > Ring::MAX_ROWS {
+        if left + right > capacity || left.max(right) > Ring::MAX_ROWS {
             let count = |rows: usize| u16::try_from(rows).unwrap_or(u16::MAX);
-            return Err(ConfigError::RingRows { needed: count(left + right), rows: count(ROWS) });
+            return Err(ConfigError::RingRows { needed: count(left + right), rows: count(capacity) });
         }
-        let mut rectifier = Self {
+        Ok(Plan { size, rectification, waits, rows: [left, right] })
+    }
+}
+
+impl<const ROWS: usize, const WIDTH: usize> Rectifier<ROWS, WIDTH> {
+    /// For views of `size` px that are put right by `rectification`.
+    ///
+    /// # Errors
+    /// If the width is over the capacity, a figure is out of its range, lens tables are those of another size, or more rows
+    /// must wait than the ring holds.
+    pub fn new(size: [u16; 2], rectification: Rectification) -> Result<Self, ConfigError> {
+        let mut rectifier = Self::of(Plan::new(size, rectification, [ROWS, WIDTH])?);
+        rectifier.start();
+        Ok(rectifier)
+    }
+
+    /// By a plan of this capacity, not started. In line, so that the rows are made where they stay.
+    #[inline(always)]
+    pub(super) const fn of(Plan { size, rectification, waits, rows: [left, right] }: Plan) -> Self {
+        let Rectification { ramp, columns, lenses, .. } = rectification;
+        Self {
             size,
             ramp,
             columns,
@@ -137,9 +171,7 @@ impl<const ROWS: usize, const WIDTH: usize> Rectifier<ROWS, WIDTH> {
             segments: [Number::NONE; WIDTH],
             reaches: [Reach::NONE; 2],
             needed: [[0; 2]; 2],
-        };
-        rectifier.start();
-        Ok(rectifier)
+        }
     }
 
     /// So many rows after a row came it comes out, at most.

@@ -85,8 +85,8 @@ fn main() -> ! {
 #[inline(never)]
 fn spawn(spawner: Spawner, clock: Clock, parts: Parts) {
     let Some(setup) = PLAN.setup() else { defmt::panic!("the rig has more sectors than it says") };
-    let (raw_to, raw_from) = RAW.init(Channel::new(raw_ring())).split();
-    let (results_to, results_from) = RESULTS.init(Channel::new(result_ring())).split();
+    let (raw_to, raw_from) = RAW.init(Channel::new(RAW_RING.fill(|| RawRow::EMPTY))).split();
+    let (results_to, results_from) = RESULTS.init(Channel::new(RESULT_RING.fill(|| ResultRows::EMPTY))).split();
     // Each is spawned once, here.
     let prompt = prompt::start();
     prompt.spawn(capture_task(parts.camera, raw_to).unwrap());
@@ -101,16 +101,6 @@ fn spawn(spawner: Spawner, clock: Clock, parts: Parts) {
 
 // Functions of their own, so that what they need of the stack is needed one after the other and at start-up only.
 
-#[inline(never)]
-fn raw_ring() -> &'static mut [RawRow; RAW_ROWS] {
-    RAW_RING.take([RawRow::EMPTY; _])
-}
-
-#[inline(never)]
-fn result_ring() -> &'static mut [ResultRows; RESULT_SLOTS] {
-    RESULT_RING.take([ResultRows::EMPTY; _])
-}
-
 /// Builds the method.
 #[inline(never)]
 fn method(clock: Clock) -> Result<&'static mut dyn StereoMethod, ConfigError> {
@@ -123,10 +113,14 @@ fn method(clock: Clock) -> Result<&'static mut dyn StereoMethod, ConfigError> {
 /// Puts it behind rectification.
 #[inline(never)]
 fn behind_offset(method: Result<&'static mut dyn StereoMethod, ConfigError>, clock: Clock) -> &'static mut Behind {
-    match method.and_then(|method| Rectified::timed(method, PLAN.height, PLAN.rectification, clock)) {
-        Ok(behind) => BEHIND.uninit().write(behind),
-        Err(error) => defmt::panic!("the rig: {}", defmt::Display2Format(&error)),
-    }
+    let method = method.unwrap_or_else(|error| refuse(error));
+    BEHIND.init_with(|| {
+        Rectified::timed(method, PLAN.height, PLAN.rectification, clock).unwrap_or_else(|error| refuse(error))
+    })
+}
+
+fn refuse(error: ConfigError) -> ! {
+    defmt::panic!("the rig: {}", defmt::Display2Format(&error))
 }
 
 #[embassy_executor::task]
