@@ -28,9 +28,33 @@ impl Block {
     /// The bytes of the chain of measured ones.
     const MEASURED: u32 = 0xff00_ff00;
 
+    /// Hands a block over, after which it is none.
+    #[inline(always)]
+    pub(super) fn hand_over(&mut self, to: &mut Self) {
+        if self.is_none() {
+            // Nobody asks for the rest.
+            (to.bits, to.beside) = (Self::NONE.bits, Self::NONE.beside);
+        } else {
+            *to = *self;
+            (self.bits, self.beside) = (Self::NONE.bits, Self::NONE.beside);
+        }
+    }
+
+    /// Whether there is none.
+    #[inline(always)]
+    pub(super) const fn is_none(&self) -> bool {
+        self.beside == Self::NONE.beside
+    }
+
+    /// Whether a chain that ends here goes on from one block row to the next: no other is believed or in doubt.
+    #[inline(always)]
+    pub(super) const fn is_of_rows(&self) -> bool {
+        self.beside & 0xffff_0000 != 0
+    }
+
     /// A measured block of disparity `bits`, greater than 0: its chains go on from those beside and above it that agree, or
     /// begin. `own` is what it weighs in a chain of sure ones; 0: nothing.
-    #[inline(always)]
+    #[inline(never)]
     pub(super) fn grow(bits: u32, own: u8, left: &Self, above: [&Self; 3], tolerance: u8) -> Self {
         let splat = splat_half(bits);
         let (least, span) = (bits.wrapping_sub(tolerance.into()), 2 * u32::from(tolerance));

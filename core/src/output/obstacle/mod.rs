@@ -27,7 +27,6 @@
 //! # Ok::<(), haarline::obstacle::ObstacleError>(())
 //! ```
 
-use core::cell::Cell;
 use core::fmt;
 
 use crate::method::capacity::blocks_for;
@@ -330,30 +329,28 @@ impl<const SECTORS: usize, const BLOCKS: usize> Obstacles<SECTORS, BLOCKS> {
     fn look(&mut self, lane: &Lane, row: &DisparityRow<'_>) {
         let width = self.camera.width().min(row.disparity.len()).min(row.confidence.len());
         let count = ((width + SIZE - 1 - Self::SAMPLE) / SIZE).min(BLOCKS);
-        self.extend(lane, row, count);
-        self.report(lane, row, count);
+        if self.extend(lane, row, count) {
+            self.report(lane, row, count);
+        }
     }
 
-    /// Extends the chains by the first `count` blocks of a row.
+    /// Extends the chains by the first `count` blocks of a row; whether one of them may be believed or in doubt.
     #[inline(never)]
-    fn extend(&mut self, lane: &Lane, row: &DisparityRow<'_>, count: usize) {
+    fn extend(&mut self, lane: &Lane, row: &DisparityRow<'_>, count: usize) -> bool {
         let Self { camera, settings, blocks, .. } = self;
         let (doffs, tolerance) = (camera.rig().doffs_bits(), settings.tolerance);
         let (sure, fringe) = (settings.min_confidence, settings.fringe());
         let least = fringe.min(Settings::MEASURED);
         let samples = row.disparity.as_chunks::<SIZE>().0.iter().zip(row.confidence.as_chunks::<SIZE>().0);
-        let blocks = Cell::from_mut(blocks.get_mut(..count).unwrap_or(&mut [])).as_slice_of_cells();
-        // At the border of the view a block is made of one side only, in noise it is wrong by more: there is none.
-        let Some([first, inner @ .., _]) = blocks.get(..) else {
-            blocks.iter().for_each(|block| block.set(Block::NONE));
-            return;
-        };
-        let (mut left, mut above_left) = (Block::NONE, first.replace(Block::NONE));
-        let rights = blocks.iter().skip(2);
-        let mut above = inner.first().map_or(Block::NONE, Cell::get);
-        for ((here, right), (disparities, confidences)) in inner.iter().zip(rights).zip(samples.skip(1)) {
-            let above_right = right.get();
-            let mut block = Block::NONE;
+        let blocks = blocks.get_mut(..count).unwrap_or(&mut []);
+        // A block is written when nobody asks any more for the one that it relieves. At the border of the view one is made of
+        // one side only, in noise it is wrong by more: there is none.
+        let (mut left, mut is_told) = (Block::NONE, false);
+        for (index, (disparities, confidences)) in (0..count.saturating_sub(2)).zip(samples.skip(1)) {
+            let Some([above_left, above, above_right]) = blocks.get_mut(index..).and_then(|rest| rest.first_chunk_mut())
+            else {
+                break;
+            };
             let confidence = confidences[Self::SAMPLE];
             if confidence >= least
                 && let Some(bits) = disparities[Self::SAMPLE].known()
@@ -361,15 +358,20 @@ impl<const SECTORS: usize, const BLOCKS: usize> Obstacles<SECTORS, BLOCKS> {
                 && lane.holds(bits)
             {
                 let weight = if confidence >= sure { Settings::SURE_WEIGHT } else { u8::from(confidence >= fringe) };
-                let above = [&above_left, &above, &above_right];
-                block = Block::grow(bits.unsigned_abs(), weight, &left, above, tolerance);
+                let above = [&*above_left, above, above_right];
+                let block = Block::grow(bits.unsigned_abs(), weight, &left, above, tolerance);
+                *above_left = left;
+                left = block;
+                is_told |= left.is_of_rows();
+            } else {
+                left.hand_over(above_left);
             }
-            here.set(block);
-            (left, above_left, above) = (block, above, above_right);
         }
-        if let Some(last) = blocks.last() {
-            last.set(Block::NONE);
+        if let [.., last_but_one, last] = blocks {
+            left.hand_over(last_but_one);
+            left.hand_over(last);
         }
+        is_told
     }
 
     /// Reports what is believed of the first `count` blocks of a row, and what is in doubt.
@@ -386,8 +388,16 @@ impl<const SECTORS: usize, const BLOCKS: usize> Obstacles<SECTORS, BLOCKS> {
         let doubtful_blocks = if doubtful_blocks == 0 { u32::MAX } else { doubtful_blocks.into() };
         let confidences = row.confidence.as_chunks::<SIZE>().0;
         // There is none at the border of the view.
-        for index in 1..count.saturating_sub(1) {
-            let (Some(&block), Some(confidences)) = (self.blocks.get(index), confidences.get(index)) else { break };
+        for (index, confidences) in (1..count.saturating_sub(1)).zip(confidences.iter().skip(1)) {
+            let Some(&block) = self.blocks.get(index) else { break };
+            let is_sure = confidences[Self::SAMPLE] >= min_confidence;
+            // Mostly there is nothing.
+            if block.is_none() && gap.bits == 0 {
+                if is_sure {
+                    gap.first = index + 1;
+                }
+                continue;
+            }
             let is_believed = block.is_believed(least_weight);
             if is_believed {
                 let sector = directions.sector_of(SIZE * index + Self::SAMPLE);
@@ -398,7 +408,7 @@ impl<const SECTORS: usize, const BLOCKS: usize> Obstacles<SECTORS, BLOCKS> {
                 report.bits = report.bits.max(block.told());
             }
             let bits = block.doubtful(doubtful_blocks);
-            if confidences[Self::SAMPLE] < min_confidence {
+            if !is_sure {
                 gap.bits = gap.bits.max(bits);
             } else {
                 if gap.bits > 0 {
