@@ -57,11 +57,11 @@ impl Floor {
         let is_noisy = noise.level >= SmoothingLevel::Medium;
         let floor = if is_noisy { floor / 2 } else { floor };
         let sure = match (noise.level, agreement) {
-            (SmoothingLevel::Off, true) => 122,
+            (SmoothingLevel::Off, true) => 121,
             (SmoothingLevel::Light, true) => 140,
             (SmoothingLevel::Medium, true) => 148 + 7 * floor / 20,
             (SmoothingLevel::Strong, true) => 180,
-            (SmoothingLevel::Off, false) => 98,
+            (SmoothingLevel::Off, false) => 97,
             (SmoothingLevel::Light, false) => 104,
             (SmoothingLevel::Medium, false) => 102,
             (SmoothingLevel::Strong, false) => 101,
@@ -126,7 +126,7 @@ impl<const WORDS: usize> Sums<WORDS> {
         let mut rivals = [0; WORDS];
         for (cell, (rival, &label)) in rivals.iter_mut().zip(windows.labels).enumerate() {
             let other = i32::from(label) + step;
-            let is_searched = (0..i32::from(config.num_disparities)).contains(&other);
+            let is_searched = (0..256).contains(&other);
             // Where there is none it is the answer itself.
             *rival = if is_searched && windows.is_inside(cell, other) { other as u8 } else { label };
         }
@@ -230,6 +230,8 @@ impl<const WORDS: usize> Evidence<WORDS> {
         let means = [&fits, &besides, &likes].map(|means| words(means, count));
         let strengths = rows.map(|row| words(&row.strength, count));
         let unique = splat(if self.is_repeated { UNIQUE_IN_REPETITION } else { UNIQUE });
+        let repeated = if self.is_repeated { u32::MAX } else { 0 };
+        let (own_like, own_fit) = (words(&rows[1].like, count), words(&rows[1].fit, count));
         let blank_to = splat(floor.blank);
         let noisy = if floor.is_noisy { u32::MAX } else { 0 };
         let down = |i: usize| {
@@ -255,7 +257,8 @@ impl<const WORDS: usize> Evidence<WORDS> {
             let most_fit = halved_sum(strength, half);
             let [fit, beside, like] = means.map(|means| u32::from_le_bytes(means[i]));
             let bonus = min(sub(min(beside, like), fit), splat(MOST_BONUS)) | fringe;
-            let bonus = select_ge(sub(like, fit), unique, bonus, splat(NEVER_SURE));
+            let own = sub(u32::from_le_bytes(own_like[i]), u32::from_le_bytes(own_fit[i])) | !repeated;
+            let bonus = select_ge(min(sub(like, fit), own), unique, bonus, splat(NEVER_SURE));
             bonuses[i] = (select_ge(most_fit, fit, bonus, splat(NEVER_SURE)) | blank & noisy).to_le_bytes();
         });
     }
