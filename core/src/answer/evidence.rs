@@ -5,7 +5,7 @@
 //! left row fits itself 4 and 8 px beside and at the distance of like contours ([`Repetition`]). It can be sure only if
 //!
 //! - it is *unique*: it fits better than what lies at that distance, and clearly so where the row repeats itself; there in the
-//!   right view, too;
+//!   right view, too, and each cell by itself;
 //! - it is *seen*: the views differ less than the left one varies, and the features around are stronger than noise;
 //! - it is no *fringe*: not at the side of a contour where hardly anything else is to be seen, nor above or below what ends on
 //!   a blank. The contour's surface is right there, where it ends is not.
@@ -106,29 +106,25 @@ struct Sums<const WORDS: usize> {
 
 impl<const WORDS: usize> Sums<WORDS> {
     /// Where a row repeats itself, asks the right view, too: of a bar beside something nearer the left view may not show the
-    /// next one. What the right view shows nearer or farther by the distance of like contours, within the search, looks like
-    /// the answer as well as it fits.
-    fn doubt_rivals(&mut self, config: &Config, windows: &CellWindows<'_, WORDS>, sums: &mut CellSums<WORDS>) {
+    /// next one. What the right view shows nearer or farther by the distance of like contours, beyond the search as well, looks
+    /// like the answer as well as it fits.
+    fn doubt_rivals(&mut self, windows: &CellWindows<'_, WORDS>, sums: &mut CellSums<WORDS>) {
         let distance = windows.distance.cast_signed();
-        self.doubt_rivals_at(config, windows, sums, -distance);
-        self.doubt_rivals_at(config, windows, sums, distance);
+        self.doubt_rivals_at(windows, sums, -distance);
+        self.doubt_rivals_at(windows, sums, distance);
     }
 
     /// The same of those so much nearer.
     #[inline(never)]
-    fn doubt_rivals_at(
-        &mut self,
-        config: &Config,
-        windows: &CellWindows<'_, WORDS>,
-        sums: &mut CellSums<WORDS>,
-        step: i32,
-    ) {
+    fn doubt_rivals_at(&mut self, windows: &CellWindows<'_, WORDS>, sums: &mut CellSums<WORDS>, step: i32) {
         let mut rivals = [0; WORDS];
         for (cell, (rival, &label)) in rivals.iter_mut().zip(windows.labels).enumerate() {
             let other = i32::from(label) + step;
-            let is_searched = (0..256).contains(&other);
             // Where there is none it is the answer itself.
-            *rival = if is_searched && windows.is_inside(cell, other) { other as u8 } else { label };
+            *rival = match u8::try_from(other) {
+                Ok(rival) if windows.is_inside(cell, other) => rival,
+                _ => label,
+            };
         }
         let labels = &rivals[..windows.labels.len()];
         CellWindows { labels, ..*windows }.sum_fits(sums);
@@ -209,7 +205,7 @@ impl<const WORDS: usize> Evidence<WORDS> {
             *like = least_with_before(&sums.like, 4 * i, steps).to_le_bytes();
         }
         if repetition.is_strong {
-            row.doubt_rivals(config, &windows, &mut sums);
+            row.doubt_rivals(&windows, &mut sums);
         }
         for plane in [&mut row.fit, &mut row.strength, &mut row.beside, &mut row.like] {
             fill_up(plane, labels.len());
@@ -229,9 +225,11 @@ impl<const WORDS: usize> Evidence<WORDS> {
         means_around(rows.map(|row| words(&row.like, count)), words_mut(&mut likes, count));
         let means = [&fits, &besides, &likes].map(|means| words(means, count));
         let strengths = rows.map(|row| words(&row.strength, count));
-        let unique = splat(if self.is_repeated { UNIQUE_IN_REPETITION } else { UNIQUE });
-        let repeated = if self.is_repeated { u32::MAX } else { 0 };
-        let (own_like, own_fit) = (words(&rows[1].like, count), words(&rows[1].fit, count));
+        // Where the row repeats itself each cell must be unique by itself, too: what is beside it may belong to something else,
+        // which has no like.
+        let (unique, any) = if self.is_repeated { (UNIQUE_IN_REPETITION, 0) } else { (UNIQUE, u32::MAX) };
+        let unique = splat(unique);
+        let own = [&rows[1].fit, &rows[1].like].map(|row| words(row, count));
         let blank_to = splat(floor.blank);
         let noisy = if floor.is_noisy { u32::MAX } else { 0 };
         let down = |i: usize| {
@@ -257,8 +255,9 @@ impl<const WORDS: usize> Evidence<WORDS> {
             let most_fit = halved_sum(strength, half);
             let [fit, beside, like] = means.map(|means| u32::from_le_bytes(means[i]));
             let bonus = min(sub(min(beside, like), fit), splat(MOST_BONUS)) | fringe;
-            let own = sub(u32::from_le_bytes(own_like[i]), u32::from_le_bytes(own_fit[i])) | !repeated;
-            let bonus = select_ge(min(sub(like, fit), own), unique, bonus, splat(NEVER_SURE));
+            let [own_fit, own_like] = own.map(|row| u32::from_le_bytes(row[i]));
+            let better = min(sub(like, fit), sub(own_like, own_fit) | any);
+            let bonus = select_ge(better, unique, bonus, splat(NEVER_SURE));
             bonuses[i] = (select_ge(most_fit, fit, bonus, splat(NEVER_SURE)) | blank & noisy).to_le_bytes();
         });
     }

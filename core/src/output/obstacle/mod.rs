@@ -347,7 +347,8 @@ impl<const SECTORS: usize, const BLOCKS: usize> Obstacles<SECTORS, BLOCKS> {
         // one side only, in noise it is wrong by more: there is none.
         let (mut left, mut is_told) = (Block::NONE, false);
         for (index, (disparities, confidences)) in (0..count.saturating_sub(2)).zip(samples.skip(1)) {
-            let Some([above_left, above, above_right]) = blocks.get_mut(index..).and_then(|rest| rest.first_chunk_mut())
+            let Some([above_left, above, above_right]) =
+                blocks.get_mut(index..).and_then(|rest| rest.first_chunk_mut())
             else {
                 break;
             };
