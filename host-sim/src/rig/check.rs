@@ -307,7 +307,7 @@ impl Checked {
         if let Some(far) = self.far_px().filter(|&far| far < LEAST_DISPARITY) {
             add(
                 format!("disparities down to {far:.2} px: farther than infinity"),
-                &format!("add {:.2} to column_offset, or calibrate the rig", -far),
+                &format!("add {} or more to column_offset, or calibrate the rig", (-far).ceil()),
             );
         }
     }

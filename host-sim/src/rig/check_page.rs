@@ -89,14 +89,14 @@ fn map(name: &str, caption: &str, size: [usize; 2], found: &Parts, range: [f64; 
     let (mut points, mut values) = (Vec::new(), Vec::new());
     for (down, row) in found.iter().enumerate() {
         for (across, value) in row.iter().enumerate().filter_map(|(across, value)| Some((across, (*value)?))) {
-            points.push([(across as f64 + 0.5) * step[0], size[1] as f64 - (down as f64 + 0.5) * step[1]]);
+            points.push([(across as f64 + 0.5) * step[0], (down as f64 + 0.5) * step[1]]);
             values.push((value - range[0]) / (range[1] - range[0]));
         }
     }
     let chart = Chart {
         title: format!("{} (dark) to {} (bright)", range[0], range[1]),
         x: Axis::linear("column, px", [0.0, size[0] as f64]),
-        y: Axis::linear("rows above the last one, px", [0.0, size[1] as f64]),
+        y: Axis::linear("row, px", [0.0, size[1] as f64]).downwards(),
         layers: vec![Layer::new("", 0, Mark::Cells { size: step, values }, points)],
     };
     let cell = |value: &Option<f64>| {

@@ -11,6 +11,7 @@ pub struct Axis {
     pub(super) range: [f64; 2],
     pub(super) ticks: Vec<f64>,
     is_log: bool,
+    is_downwards: bool,
 }
 
 impl Axis {
@@ -18,7 +19,7 @@ impl Axis {
     #[must_use]
     pub fn linear(label: &str, range: [f64; 2]) -> Self {
         let range = widened(range);
-        Self { label: label.to_owned(), range, ticks: round_numbers(range, 6), is_log: false }
+        Self { label: label.to_owned(), range, ticks: round_numbers(range, 6), is_log: false, is_downwards: false }
     }
 
     /// A linear axis on which all of `values` have room.
@@ -36,7 +37,7 @@ impl Axis {
     pub fn log(label: &str, range: [f64; 2]) -> Self {
         let [low, high] = range.map(f64::log10);
         let ticks = (low.ceil() as i32..=high.floor() as i32).map(|power| 10f64.powi(power)).collect();
-        Self { label: label.to_owned(), range, ticks, is_log: true }
+        Self { label: label.to_owned(), range, ticks, is_log: true, is_downwards: false }
     }
 
     /// The same with numbers at `ticks` only.
@@ -45,11 +46,18 @@ impl Axis {
         Self { ticks: ticks.into_iter().collect(), ..self }
     }
 
+    /// The same from its end to its beginning, as rows of a view go.
+    #[must_use]
+    pub fn downwards(self) -> Self {
+        Self { is_downwards: true, ..self }
+    }
+
     /// How far from the axis's beginning a value lies, 0 to 1 within its range.
     fn share(&self, value: f64) -> f64 {
         let place = |value: f64| if self.is_log { value.max(f64::MIN_POSITIVE).log10() } else { value };
         let [low, high] = self.range.map(place);
-        (place(value) - low) / (high - low)
+        let share = (place(value) - low) / (high - low);
+        if self.is_downwards { 1.0 - share } else { share }
     }
 }
 
@@ -111,6 +119,10 @@ mod tests {
     fn a_logarithmic_axis_gives_every_power_as_much_room() {
         let axis = Axis::log("", [1.0, 1000.0]);
         assert_eq!([1.0, 10.0, 100.0, 1000.0].map(|v| axis.map(&v, (0, 300))), [0, 100, 200, 300]);
+        assert_eq!(
+            [0.0, 25.0, 100.0].map(|v| Axis::linear("", [0.0, 100.0]).downwards().map(&v, (300, 0))),
+            [0, 75, 300]
+        );
         assert_eq!(axis.map(&0.0, (0, 300)), -300, "what has no logarithm lies beyond, and is no fault");
     }
 }
