@@ -1,11 +1,12 @@
 //! Calibrations as other tools write them, turned into a rig description.
 //!
-//! [`document`] reads YAML, XML, JSON and lines, [`formats`] finds the two cameras in them, [`calibration`] is what
-//! they have in common, [`pinhole`] the nearest rig without lens tables, [`lenses`] the one with them.
+//! [`document`] reads YAML, XML, JSON and lines, [`kind`] tells what a file is, [`formats`] finds the two cameras in them,
+//! [`calibration`] is what they have in common, [`pinhole`] the nearest rig without lens tables, [`lenses`] the one with them.
 
 pub mod calibration;
 pub mod document;
 pub mod formats;
+pub mod kind;
 pub mod lenses;
 pub mod pinhole;
 
@@ -14,8 +15,9 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail, ensure};
 
 use calibration::{Calibration, Camera, Raw};
-use formats::{Kind, Named};
+use formats::Named;
 use haarline_rig::CameraModel;
+use kind::Kind;
 use nalgebra::Rotation3;
 use pinhole::Pinhole;
 
