@@ -38,17 +38,12 @@ impl<T> DmaCell<T> {
         Self { memory, is_taken: AtomicBool::new(false) }
     }
 
-    /// Fills the memory and hands it out.
+    /// Hands the memory out as it is.
     ///
     /// # Panics
     /// If it was handed out before.
-    pub fn take(&self, value: T) -> &'static mut T {
-        self.uninit().write(value)
-    }
-
-    /// Hands the memory out as it is, once.
     #[expect(unsafe_code, reason = "handed out once")]
-    fn uninit(&self) -> &'static mut MaybeUninit<T> {
+    pub fn uninit(&self) -> &'static mut MaybeUninit<T> {
         assert!(!self.is_taken.swap(true, Ordering::AcqRel), "handed out twice");
         // SAFETY: the only cell of this memory keeps everybody else away.
         unsafe { &mut *self.memory.0.get() }
@@ -56,7 +51,7 @@ impl<T> DmaCell<T> {
 }
 
 impl<T, const N: usize> DmaCell<[T; N]> {
-    /// Fills an array one by one, in place: one that is larger than the stack, too.
+    /// Fills the memory in place, so that it may be larger than the stack, and hands it out.
     ///
     /// # Panics
     /// If it was handed out before.

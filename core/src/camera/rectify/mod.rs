@@ -7,6 +7,7 @@
 mod lens;
 mod lens_rows;
 mod paired;
+mod plan;
 mod ramp;
 mod rectification;
 mod rectified;

@@ -1,6 +1,6 @@
 //! A stereo method behind a rig that is rectified as it streams.
 
-use super::stage::Plan;
+use super::plan::Plan;
 use super::{Offset, Rectification, Rectifier};
 use crate::frame_figures::{FrameFigures, Input};
 use crate::front_end::noise::RawNoise;

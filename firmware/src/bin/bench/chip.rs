@@ -29,7 +29,7 @@ const BLOCKS: usize = blocks_for(WIDTH as u16);
 type LargeSgm = Sgm<WIDTH, { words_for(SEARCHED) }, Clock>;
 
 static ROWS: DmaCell<[Row; KEPT]> = dma_cell!([Row; KEPT]);
-static SGM: DmaCell<MaybeUninit<LargeSgm>> = dma_cell!(MaybeUninit<LargeSgm>);
+static SGM: DmaCell<LargeSgm> = dma_cell!(LargeSgm);
 
 /// The port, and what it asks for.
 struct Bench {
@@ -48,9 +48,9 @@ fn main() -> ! {
     config.baudrate = BAUD;
     let Ok(uart) = debugger_port::open(p, config) else { defmt::panic!("the clock gives 921,600 baud") };
     let port = Port::new(uart, &mut core.SCB);
-    let rows = rows();
+    let rows = ROWS.fill(|| Row::EMPTY);
     let mut bench =
-        Bench { port, server: Server::default(), work: Work::new(rows, clock), clock, sgm: Some(sgm_place()) };
+        Bench { port, server: Server::default(), work: Work::new(rows, clock), clock, sgm: Some(SGM.uninit()) };
     defmt::info!("bench: waiting for `haarline silicon` at {=u32} baud", BAUD);
     let mut begin = bench.serve(None, 0, 0);
     loop {
@@ -64,16 +64,6 @@ fn main() -> ! {
         };
         begin = run(&mut bench, config);
     }
-}
-
-#[inline(never)]
-fn rows() -> &'static mut [Row; KEPT] {
-    ROWS.take([const { Row::EMPTY }; KEPT])
-}
-
-#[inline(never)]
-fn sgm_place() -> &'static mut MaybeUninit<LargeSgm> {
-    SGM.take(MaybeUninit::uninit())
 }
 
 impl Bench {

@@ -245,7 +245,7 @@ fn tell_all(
 
 /// Step 7: one frame, out of the row packets' port.
 async fn picture(report: &mut Report, camera: &mut Camera, mut rows: Serial) {
-    let frame = FRAME.take([[0; ROW]; HEIGHT as usize]);
+    let frame = FRAME.fill(|| [0; ROW]);
     let is_whole = survey::frame(camera, PATIENCE, |nth, row| {
         if let Some(place) = frame.get_mut(nth) {
             place.copy_from_slice(row);

@@ -54,7 +54,7 @@ impl DmaRing {
         irqs: impl Binding<DMA1_STREAM0, InterruptHandler<DMA1_CH0>> + 'static,
     ) -> Self {
         let request = dcmi::FrameDma::<peripherals::DCMI>::request(&*dma);
-        let memory: &'static [AtomicU32; RING] = MEMORY.take([const { AtomicU32::new(0) }; RING]);
+        let memory: &'static [AtomicU32; RING] = MEMORY.fill(|| AtomicU32::new(0));
         let from = pac::DCMI.dr().as_ptr().cast::<u32>();
         #[expect(unsafe_code, reason = "DMA into memory that is the ring's alone")]
         // SAFETY: the data register stays where it is; the HAL gives the memory's address to DMA and never looks at it

@@ -110,8 +110,8 @@ impl Parts {
         Self {
             camera,
             sensors: Sensors { buses: [first, second], trigger },
-            rows: Serial::new(rows, ROWS_MEMORY.take([0; _])),
-            mavlink: Serial::new(mavlink, MAVLINK_MEMORY.take([0; _])),
+            rows: Serial::new(rows, ROWS_MEMORY.fill(|| 0)),
+            mavlink: Serial::new(mavlink, MAVLINK_MEMORY.fill(|| 0)),
             watchdog: Watchdog(IndependentWatchdog::new(p.IWDG, watchdog::PERIOD)),
         }
     }

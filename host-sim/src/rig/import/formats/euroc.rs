@@ -5,7 +5,7 @@ use nalgebra::Matrix4;
 
 use super::super::calibration::{Calibration, Camera};
 use super::kalibr::{matrix4, of_transform, pinhole};
-use super::{Named, check_sizes, list, size, tree};
+use super::{Named, camera_of, check_sizes, list, size};
 
 /// A sensor.yaml.
 pub(super) struct Sensor {
@@ -15,15 +15,13 @@ pub(super) struct Sensor {
 }
 
 pub(super) fn camera(file: &Named) -> Result<Sensor> {
-    let read = || -> Result<Sensor> {
-        let tree = tree(file)?;
+    camera_of(file, |tree| {
         Ok(Sensor {
             to_body: matrix4(tree, "T_BS")?,
             size: list(tree, "resolution", 2)?,
             camera: pinhole(tree, "distortion_coefficients")?,
         })
-    };
-    read().with_context(|| file.name.clone())
+    })
 }
 
 pub(super) fn calibration([left, right]: [Sensor; 2]) -> Result<Calibration> {

@@ -6,7 +6,7 @@ mod kalibr;
 pub(super) mod opencv;
 mod ros;
 
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result, anyhow, bail, ensure};
 use haarline_rig::Lens;
 use nalgebra::{Matrix3, Vector3};
 use serde_json::{Map, Value};
@@ -93,12 +93,16 @@ fn known(file: &Named) -> Result<Kind> {
     }
 }
 
-/// A file's content as a tree; the kinds of one camera each are nothing else.
-fn tree(file: &Named) -> Result<&Tree> {
-    match &file.document {
-        Document::Tree(tree) => Ok(tree),
-        Document::Lines(_) => bail!("has lines where YAML is expected"),
-    }
+/// What `read` finds in a file of one camera, whose content is a tree.
+///
+/// # Errors
+/// Those of `read`, with the file's name.
+fn camera_of<T>(file: &Named, read: impl FnOnce(&Tree) -> Result<T>) -> Result<T> {
+    let found = match &file.document {
+        Document::Tree(tree) => read(tree),
+        Document::Lines(_) => Err(anyhow!("has lines where YAML is expected")),
+    };
+    found.with_context(|| file.name.clone())
 }
 
 fn list(tree: &Tree, name: &str, count: usize) -> Result<Vec<f64>> {

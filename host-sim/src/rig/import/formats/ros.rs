@@ -1,10 +1,10 @@
 //! ROS: a camera_info file for each camera.
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use nalgebra::Matrix3;
 
 use super::super::calibration::{Calibration, Camera, Rectified};
-use super::{Named, check_sizes, lens, list, matrix3, of_rectification, size, tree};
+use super::{Named, camera_of, check_sizes, lens, list, matrix3, of_rectification, size};
 
 /// A camera_info file.
 pub(super) struct CameraInfo {
@@ -15,8 +15,7 @@ pub(super) struct CameraInfo {
 }
 
 pub(super) fn camera(file: &Named) -> Result<CameraInfo> {
-    let read = || -> Result<CameraInfo> {
-        let tree = tree(file)?;
+    camera_of(file, |tree| {
         Ok(CameraInfo {
             camera: Camera::new(
                 "camera_matrix",
@@ -27,8 +26,7 @@ pub(super) fn camera(file: &Named) -> Result<CameraInfo> {
             projection: list(tree, "projection_matrix", 12)?,
             turn: matrix3(&list(tree, "rectification_matrix", 9)?),
         })
-    };
-    read().with_context(|| file.name.clone())
+    })
 }
 
 pub(super) fn calibration([left, right]: [CameraInfo; 2]) -> Result<Calibration> {
