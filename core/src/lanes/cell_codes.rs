@@ -1,189 +1,102 @@
-//! Codes of cells of 4 columns as bits: many cells in one piece, up to one that has no code.
+//! Codes of cells of 4 columns, whole bytes: as many cells in one piece as a [`Listed`] can tell of.
 
-use crate::Disparity;
+/// Cells in one piece.
+pub(crate) const MOST: usize = 128;
 
-/// Some bits: how many in the lowest byte, and above it the bits.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Code(u32);
+/// Cells whose disparities have no code, by their number.
+#[derive(Clone, Copy)]
+pub(crate) struct Listed {
+    cells: [u8; MOST],
+    count: usize,
+}
 
-impl Code {
-    /// The lowest `count` bits of `bits`, at most 16; the others are 0.
-    #[inline(always)]
-    pub(crate) const fn new(bits: u32, count: u32) -> Self {
-        Self(bits << 8 | count)
-    }
+impl Listed {
+    pub(crate) const NONE: Self = Self { cells: [0; MOST], count: 0 };
 
-    /// Whether it is that one.
-    pub(crate) const fn is(self, other: Self) -> bool {
-        self.0 == other.0
-    }
-
-    #[inline(always)]
-    pub(crate) const fn bits(self) -> u32 {
-        self.0 >> 8
-    }
-
-    #[inline(always)]
-    pub(crate) const fn count(self) -> u32 {
-        self.0 & 0xff
+    /// In their order.
+    pub(crate) fn iter(&self) -> impl Iterator<Item = usize> {
+        self.cells.iter().take(self.count).map(|&cell| cell.into())
     }
 }
 
-/// Bits on their way into words, the first in the lowest place.
-pub(crate) struct Bits<'a> {
-    words: &'a mut [[u8; 4]],
-    used: usize,
-    /// What is no whole word yet, fewer than 32 bits, and how many.
-    pending: u32,
-    count: u32,
-}
+/// What a step of confidence is.
+pub(crate) const STEP: u32 = 8;
+/// Steps downwards that have a code.
+pub(crate) const STEPS_DOWN: u32 = 7;
+/// How many have.
+pub(crate) const STEPS: u32 = 14;
+/// Another confidence than these, in the whole cell: it follows.
+pub(crate) const JUMP: u32 = 14;
+/// Not the same confidence in the whole cell: all four follow.
+pub(crate) const MIXED: u32 = 15;
+/// The most bytes of the confidences of two cells.
+pub(crate) const MOST_BYTES_OF_PAIR: usize = 9;
 
-impl<'a> Bits<'a> {
-    pub(crate) const fn new(words: &'a mut [[u8; 4]]) -> Self {
-        Self { words, used: 0, pending: 0, count: 0 }
-    }
+/// The first byte of the codes of two bytes.
+pub(crate) const FIRST_OF_TWO: u32 = 226;
+/// Before what a shape and a rise add to the codes of two bytes, and a step of two bytes.
+pub(crate) const WIDE: u32 = 254;
+/// No code.
+pub(crate) const ODD: u32 = 255;
 
-    /// Adds a code; `None` if there is no more room.
-    #[inline(always)]
-    pub(crate) fn put(&mut self, code: Code) -> Option<()> {
-        let before = self.count;
-        self.pending |= code.bits() << before;
-        self.count += code.count();
-        if self.count >= 32 {
-            *self.words.get_mut(self.used)? = self.pending.to_le_bytes();
-            self.used += 1;
-            self.count -= 32;
-            self.pending = code.bits() >> (32 - before);
-        }
-        Some(())
-    }
-
-    /// Writes what is left; how many bytes all are. `None` if there is no more room.
-    pub(crate) fn finish(self) -> Option<usize> {
-        if self.count > 0 {
-            *self.words.get_mut(self.used)? = self.pending.to_le_bytes();
-        }
-        Some(4 * self.used + self.count.div_ceil(8) as usize)
-    }
-
-    /// Words that there still is room for.
-    fn room(&self) -> usize {
-        self.words.len() - self.used
-    }
-}
-
-/// A code as tables have it: with what to add to their address for the next cell's codes.
+/// What a number of a cell adds to its codes: to that of one byte in the lowest ten bits, to that of two in the upper half.
 #[derive(Debug, Clone, Copy)]
-#[cfg_attr(haarline_dsp, expect(dead_code, reason = "read by assembly"))]
-pub(crate) struct Entry(u32);
+#[repr(transparent)]
+pub(crate) struct Part(u32);
 
-impl Entry {
-    /// No code. Counts more bits than all codes of a cell together.
-    pub(crate) const NONE: Self = Self(Self::NO_COUNT);
-    const NO_COUNT: u32 = 64;
-    const NEXT: u32 = 23;
+impl Part {
+    /// A number has no code of one byte. So it is above 255 whatever the others add, and they all stay below a 1024.
+    const NOT_ONE: u32 = 0x100;
+    /// Where a shape has what the second column is above the first.
+    const SECOND: u32 = 10;
+    const TWO: u32 = 16;
+    /// From here on a code of two bytes is none: it is of a step that follows, ...
+    const STEP_FOLLOWS: u32 = 0x2000;
+    /// ... or all is none.
+    const NO_CODE: u32 = 0x4000;
 
-    /// A code of less than 16 bits, and for the next cell the table that begins so many bytes later, less than 512.
-    pub(crate) const fn new(code: Code, next: usize) -> Self {
-        assert!(code.count() < 16 && next < 1 << (32 - Self::NEXT));
-        #[allow(clippy::cast_possible_truncation, reason = "as is asserted")]
-        Self(code.0 | (next as u32) << Self::NEXT)
+    /// A number that has no code.
+    pub(crate) const NONE: Self = Self(Self::NOT_ONE | Self::NO_CODE << Self::TWO);
+    /// A step that has none.
+    pub(crate) const FOLLOWS: Self = Self(Self::NOT_ONE | Self::STEP_FOLLOWS << Self::TWO);
+
+    /// What it adds to a code of one byte, if it has one, and of two.
+    pub(crate) const fn new(one: Option<u32>, two: u32) -> Self {
+        let one = if let Some(one) = one { one } else { Self::NOT_ONE };
+        assert!(one <= Self::NOT_ONE && two < Self::STEP_FOLLOWS);
+        Self(one | two << Self::TWO)
     }
 
-    #[cfg(not(haarline_dsp))]
-    const fn code(self) -> Code {
-        Code(self.0 & ((1 << Self::NEXT) - 1))
+    /// The same of a shape, whose second column is so much above the first.
+    pub(crate) const fn of_shape(one: Option<u32>, two: u32, second: i32) -> Self {
+        assert!(second >= -16 && second < 16);
+        Self(Self::new(one, two).0 | (second.cast_unsigned() & 0x1f) << Self::SECOND)
     }
 
-    #[cfg(not(haarline_dsp))]
-    const fn is_none(self) -> bool {
-        self.code().count() == Self::NO_COUNT
-    }
-
-    #[cfg(not(haarline_dsp))]
-    const fn next(self) -> usize {
-        (self.0 >> Self::NEXT) as usize
-    }
-}
-
-/// Codes of a confidence that is the same in a whole cell, by an eighth of what it is more than the one before, from -16 on:
-/// after a change, and after none.
-pub(crate) struct ConfidenceCodes(pub(crate) [[Entry; 32]; 2]);
-
-/// Bytes of a table of 32 codes.
-const TABLE: usize = 128;
-
-impl ConfidenceCodes {
-    /// What to add to the address after a change or none.
-    pub(crate) const fn next(is_steady: bool) -> usize {
-        TABLE * is_steady as usize
+    #[cfg(any(not(haarline_dsp), test))]
+    const fn second(self) -> i32 {
+        (self.0 << (32 - 5 - Self::SECOND)).cast_signed() >> (32 - 5)
     }
 }
 
-/// The confidence of the column before, and what it was after.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Confidences {
-    pub(crate) before: u8,
-    pub(crate) is_steady: bool,
-}
-
-/// Codes of disparities. The first entry of a table is that of the least number.
+/// What numbers add to codes.
 #[repr(C)]
 pub(crate) struct DisparityCodes {
-    /// The first pixel less the one before it, from -32 on.
-    pub(crate) value: [Entry; 64],
-    /// What the lower row has more than the upper one, from -16 on: after less than none, none, and more.
-    pub(crate) down: [[Entry; 32]; 3],
-    /// By what the last column has more than the first, from -32 on.
-    pub(crate) shape: [Shape; 64],
-    /// Says that the bits of a value follow.
-    pub(crate) escape: Code,
+    /// By what the third column has more than the first, from -16 on.
+    pub(crate) shape: [Part; 32],
+    /// By what the lower row has more than the upper one, from -16 on.
+    pub(crate) rise: [Part; 32],
+    /// By what the first pixel has more than the one before it, from -32 on.
+    pub(crate) step: [Part; 64],
 }
 
-/// The code of a shape, and what the third and second column must have more than the first: lower and upper half.
-#[derive(Debug, Clone, Copy)]
-#[repr(C)]
-pub(crate) struct Shape {
-    pub(crate) inner: u32,
-    pub(crate) code: Entry,
-}
-
-impl DisparityCodes {
-    /// From the value of 0 to the three tables' *down* of 0.
-    const DOWN: usize = TABLE + TABLE / 2;
-    /// From the value of 0 to the shape of 0.
-    #[cfg(haarline_dsp)]
-    const SHAPE: usize = TABLE + 3 * TABLE + 32 * size_of::<Shape>();
-    /// From the value of 0 to the escape.
-    #[cfg(haarline_dsp)]
-    const ESCAPE: usize = Self::SHAPE + 32 * size_of::<Shape>();
-    /// Bits of a value after the escape; the least number stands for a wider one.
-    #[cfg(not(haarline_dsp))]
-    const BITS: u32 = 12;
-
-    /// What to add to the address of the value of 0 for the codes of *down* after less than none (0), none (1), more (2).
-    pub(crate) const fn next(down: usize) -> usize {
-        Self::DOWN + TABLE * down
-    }
-}
-
-/// The pixel before a cell, and which codes of *down* hold for it.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Disparities {
-    pub(crate) before: i32,
-    pub(crate) down: usize,
-}
-
-/// The columns of a cell, two in a word.
-#[inline(always)]
-pub(crate) fn words_of(row: [Disparity; 4]) -> [u32; 2] {
-    let [a, b, c, d] = row.map(|disparity| u32::from(disparity.into_bits().cast_unsigned()));
-    [a | b << 16, c | d << 16]
-}
+/// The most bytes of a cell's disparities.
+pub(crate) const MOST_BYTES: usize = 4;
 
 #[cfg(haarline_dsp)]
 mod cortex_m;
-#[cfg(not(haarline_dsp))]
+#[cfg(any(not(haarline_dsp), test))]
+#[cfg_attr(haarline_dsp, allow(dead_code, reason = "what the other is held against"))]
 mod portable;
 
 #[cfg(haarline_dsp)]
@@ -193,22 +106,90 @@ pub(crate) use portable::{put_confidences, put_disparities};
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    extern crate std;
 
-    #[test]
-    fn tables_lie_where_the_loops_look_for_them() {
-        assert_eq!(core::mem::offset_of!(DisparityCodes, down), 2 * TABLE);
-        assert_eq!(2 * TABLE + TABLE / 2 - TABLE, DisparityCodes::DOWN);
-        assert_eq!(core::mem::offset_of!(DisparityCodes, shape), 5 * TABLE);
-        assert_eq!(size_of::<[Entry; 32]>(), TABLE);
+    use std::vec::Vec;
+
+    use super::*;
+    use crate::Disparity;
+    use proptest::prelude::*;
+
+    /// Codes of anything: of a shape -2, 0 and 2, of a rise up to 3 either side of 0, of a step up to 5.
+    fn codes() -> DisparityCodes {
+        let mut codes = DisparityCodes { shape: [Part::NONE; 32], rise: [Part::NONE; 32], step: [Part::FOLLOWS; 64] };
+        for (i, second) in (0..).zip([-1, 0, 1]) {
+            codes.shape[usize::try_from(16 + 3 * second).unwrap()] = Part::of_shape((i > 0).then_some(i), i, second);
+        }
+        for i in 0..7 {
+            codes.rise[13 + i as usize] = Part::new((i < 4).then_some(3 * i), 3 * i);
+        }
+        for i in 0..11 {
+            codes.step[27 + i as usize] = Part::new((i < 9).then_some(1 + 12 * i), 21 * i);
+        }
+        codes
     }
 
-    #[test]
-    fn what_finds_no_room_is_not_written() {
-        let mut words = [[0; 4]; 2];
-        let mut bits = Bits::new(&mut words);
-        let fits = (0..).take_while(|_| bits.put(Code::new(0x7ff, 11)).is_some()).count();
-        assert_eq!(fits, 95 / 11);
-        assert_eq!(words, [[0xff; 4]; 2]);
+    proptest! {
+        #[test]
+        fn confidences_are_the_portable_ones(
+            cells in prop::collection::vec((0u8..32, 0u8..20, any::<[u8; 4]>()), 0..=MOST),
+            before: u8,
+            odd in 0usize..4000,
+        ) {
+            // Mostly whole steps in whole cells.
+            let cells: Vec<[u8; 4]> = cells
+                .iter()
+                .map(|&(sure, kind, any)| match kind {
+                    0 => any,
+                    1 => [any[0]; 4],
+                    2 => [8 * sure, 8 * sure, 8, 8],
+                    _ => [8 * (sure % 8); 4],
+                })
+                .collect();
+            let rows = cells.as_flattened().as_chunks::<8>().0;
+            let mut lower = rows.to_vec();
+            if let Some(byte) = lower.as_flattened_mut().get_mut(odd) {
+                *byte ^= 1;
+            }
+            let mut rooms = [[0xAA; MOST_BYTES_OF_PAIR * MOST / 2]; 2];
+            let [ours, portable] = &mut rooms;
+            let count = put_confidences([rows, &lower], before, ours);
+            prop_assert_eq!(count, portable::put_confidences([rows, &lower], before, portable));
+            prop_assert_eq!(count.is_none(), rows != lower);
+            if let Some(count) = count {
+                prop_assert_eq!(&ours[..count], &portable[..count]);
+            }
+        }
+
+        #[test]
+        fn disparities_are_the_portable_ones(
+            cells in prop::collection::vec((-8i16..9, -2i16..3, -5i16..6, 0u8..12, any::<[i16; 8]>()), 0..=MOST),
+            before: i16,
+        ) {
+            let (mut rows, mut last) = ([const { Vec::new() }; 2], before);
+            for &(step, shape, rise, kind, any) in &cells {
+                let first = last.wrapping_add(step);
+                let mut upper = [0, shape, 2 * shape + shape.signum(), 4 * shape].map(|column| first.wrapping_add(column));
+                let mut lower = upper.map(|column: i16| column.wrapping_add(rise));
+                match kind {
+                    0 => (upper, lower) = (*any.first_chunk().unwrap(), *any.last_chunk().unwrap()),
+                    1 => lower[usize::try_from(any[0].rem_euclid(4)).unwrap()] ^= 1,
+                    2 => upper = [any[0]; 4],
+                    _ => {}
+                }
+                last = upper[3];
+                for (row, cell) in rows.iter_mut().zip([upper, lower]) {
+                    row.push(cell.map(Disparity::from_bits));
+                }
+            }
+            let (codes, mut rooms) = (codes(), [[0xAA; MOST_BYTES * MOST]; 2]);
+            let [ours, portable] = &mut rooms;
+            let [mut listed, mut portable_listed] = [Listed::NONE; 2];
+            let rows = rows.each_ref().map(Vec::as_slice);
+            let count = put_disparities(rows, &codes, before, ours, &mut listed);
+            prop_assert_eq!(count, portable::put_disparities(rows, &codes, before, portable, &mut portable_listed));
+            prop_assert_eq!(&ours[..count], &portable[..count]);
+            prop_assert!(listed.iter().eq(portable_listed.iter()));
+        }
     }
 }

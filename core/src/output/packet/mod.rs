@@ -10,7 +10,7 @@
 //! equal neighbours once ([`Content::Runs`]); a row in which that does not pay is sent as it is, so that no packet is longer than
 //! [`max_bytes`] tells: 1050 bytes for 320 px. Bytes a row and instructions: `docs/instructions.md`.
 //!
-//! This is version 2. The version is added to the checksum, so that a packet of another version is told from a damaged one
+//! This is version 3. The version is added to the checksum, so that a packet of another version is told from a damaged one
 //! ([`PacketError::Version`]).
 //!
 //! ```
@@ -19,7 +19,7 @@
 //! let row = DisparityRow { y: 7, disparity: &[Disparity::from_px(3); 64], confidence: &[200; 64] };
 //! let mut buffer = [0; max_bytes(64)];
 //! let bytes = Encoder::new().row(0, row, &mut buffer)?;
-//! assert!(bytes.len() < 32 && bytes.iter().position(|&b| b == 0) == Some(bytes.len() - 1));
+//! assert!(bytes.len() < 48 && bytes.iter().position(|&b| b == 0) == Some(bytes.len() - 1));
 //!
 //! let packet = Packet::decode(bytes)?;
 //! assert!(matches!(packet.content, Content::Cells { y: 7, width: 64, rows: 1 }));
@@ -38,10 +38,10 @@ use serde::{Deserialize, Serialize};
 use crate::frame_figures::FrameFigures;
 use crate::{Counters, Disparity, DisparityRow};
 
-mod bits;
 mod cells;
 mod runs;
 mod stuffing;
+mod writer;
 
 /// The checksum: that of Ethernet and zip. Its table is 1 KB.
 static CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
@@ -52,7 +52,7 @@ const CRC_BYTES: usize = 4;
 /// verdict.
 const MAX_HEADER: usize = (1 + 1 + 9 + 2) * 5 + 3 * 3 + 6;
 /// The version of the packets: added to the checksum of all but the first one.
-pub const VERSION: u32 = 2;
+pub const VERSION: u32 = 3;
 /// What is added to the checksum for a version.
 const fn mark(version: u32) -> u32 {
     version - 1
@@ -87,7 +87,7 @@ pub enum Content {
         /// The sender's counts.
         counters: Counters,
     },
-    /// Some rows of it, one below the other; four columns of all of them at a time, by value, slopes and confidence.
+    /// Some rows of it, one below the other; four columns of all of them at a time, by confidence, step and slopes.
     Cells {
         /// Row of the image, from 0 at the top; the uppermost.
         y: u32,

@@ -14,6 +14,7 @@
 //! Before the first run of a row the last known disparity is 0. Two bytes are little-endian. A length
 //! less 16 is one byte below 255, else 255 and two bytes.
 
+use super::writer::Writer;
 use crate::{Disparity, DisparityRow};
 
 const HOLE: u8 = 0;
@@ -50,35 +51,21 @@ fn runs(row: DisparityRow<'_>) -> impl Iterator<Item = Run> {
     })
 }
 
-/// Bytes as they are written.
-struct Writer<'a> {
-    room: &'a mut [u8],
-    used: usize,
-}
-
-impl Writer<'_> {
-    fn push<const N: usize>(&mut self, bytes: [u8; N]) -> Option<()> {
-        *self.room.get_mut(self.used..)?.first_chunk_mut()? = bytes;
-        self.used += N;
-        Some(())
-    }
-}
-
 /// Writes the pixels of a row, equal neighbours once; how many bytes they are, or `None` if there is not so much room.
 pub(super) fn write_runs(row: DisparityRow<'_>, room: &mut [u8]) -> Option<usize> {
-    let (mut writer, mut last) = (Writer { room, used: 0 }, 0);
+    let (mut writer, mut last) = (Writer::new(room), 0);
     runs(row).try_for_each(|run| write_run(run, &mut last, &mut writer))?;
-    Some(writer.used)
+    Some(writer.count())
 }
 
 /// Writes them as they are.
 pub(super) fn write_plain(row: DisparityRow<'_>, room: &mut [u8]) -> Option<usize> {
-    let mut writer = Writer { room, used: 0 };
+    let mut writer = Writer::new(room);
     for (disparity, &confidence) in row.disparity.iter().zip(row.confidence) {
         let [low, high] = disparity.into_bits().to_le_bytes();
         writer.push([low, high, confidence])?;
     }
-    Some(writer.used)
+    Some(writer.count())
 }
 
 fn write_run(run: Run, last: &mut i16, writer: &mut Writer<'_>) -> Option<()> {

@@ -5,6 +5,8 @@
 
 use core::ops::Range;
 
+use crate::lanes;
+
 /// Bytes to leave free before `count` bytes for [`stuff`]: one before each 254, and one for the rest. One more must be free
 /// after them, for the zero.
 pub(super) const fn gap(count: usize) -> usize {
@@ -40,8 +42,8 @@ fn next_zero(bytes: &[u8]) -> Option<usize> {
 
 #[inline(always)]
 fn has_zero(four: &[u8; 4]) -> bool {
-    let word = u32::from_le_bytes(*four);
-    word.wrapping_sub(0x0101_0101) & !word & 0x8080_8080 != 0
+    // Of 1 a zero leaves something, and nothing else does.
+    lanes::sub(lanes::ONES, u32::from_le_bytes(*four)) != 0
 }
 
 /// Encodes the bytes from `gap` up to `end` to the beginning of the buffer.

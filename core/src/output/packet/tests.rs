@@ -138,7 +138,7 @@ fn a_row_that_is_none_and_a_buffer_too_small_are_refused_and_use_no_number() {
 #[test]
 fn another_version_is_named_and_told_from_damage() {
     let mut buffer = [0; 16];
-    for version in [1, 3, 16, 17] {
+    for version in [1, 2, 16, 17] {
         let told = [9, 8, 7];
         let checksum = (CRC.checksum(&told) ^ mark(version)).to_le_bytes();
         buffer[4..7].copy_from_slice(&told);
@@ -159,9 +159,9 @@ fn two_rows_of_cells_are_short() {
         };
         Row::of((0..320).map(pixel))
     };
-    assert!(row(0).with(&row(2)).unwrap() < 100);
+    assert!(row(0).with(&row(2)).unwrap() < 150);
     // A lower row of its own costs more, one of another confidence does not go along.
-    assert!(row(0).with(&row(1)).unwrap() > 600);
+    assert!(row(0).with(&row(1)).unwrap() > 400);
     let mut other = row(2);
     other.confidence[7] = 97;
     assert_eq!(row(0).with(&other), None);
