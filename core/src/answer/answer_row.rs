@@ -128,7 +128,9 @@ impl<const WORDS: usize> AnswerRow<WORDS> {
         let mut halves = [*median; 2];
         let fours = words(median, words_of(cells));
         let median = &median[..cells];
-        let mut right_view = RightView::new(config, cells);
+        // Made where it is: one that is returned would be copied.
+        let mut right_view = RightView::EMPTY;
+        right_view.start(config, cells);
         let (mut stretch, mut done) = (right_view.left_margin(median), 0);
         let mut before = u32::from(median.first().copied().unwrap_or(0)) << 24;
         for (four, &labels) in fours.iter().enumerate() {

@@ -127,8 +127,9 @@ impl<const WORDS: usize> Sums<WORDS> {
             };
         }
         let labels = &rivals[..windows.labels.len()];
-        CellWindows { labels, ..*windows }.sum_fits(sums);
-        let cells = self.like.iter_mut().zip(&sums.fit).zip(labels.iter().zip(windows.labels));
+        // What lies 8 px beside is not asked any more.
+        CellWindows { labels, ..*windows }.sum_fits(&mut sums.far);
+        let cells = self.like.iter_mut().zip(&sums.far).zip(labels.iter().zip(windows.labels));
         for ((like, &fit), (rival, label)) in cells {
             *like = if rival == label { *like } else { fit.min(*like) };
         }
@@ -189,11 +190,11 @@ impl<const WORDS: usize> Evidence<WORDS> {
             zero: splat(floor.zero),
         };
         let mut sums = CellSums::EMPTY;
-        windows.sum(&mut sums);
         self.is_repeated = repetition.is_strong;
         let row = &mut self.rows[(self.len % 3) as usize];
         self.len += 1;
-        (row.fit, row.strength) = (sums.fit, sums.strength);
+        windows.sum(&mut sums, &mut row.fit);
+        row.strength = sums.strength;
         // Another piece may lie to the left as well: what is true of the cells so much before.
         let steps = (repetition.distance as usize + 2) / 4;
         let count = words_of(labels.len());
@@ -218,12 +219,13 @@ impl<const WORDS: usize> Evidence<WORDS> {
         let last = self.len.saturating_sub(1);
         let rows = [number.saturating_sub(1), number, number + 1].map(|row| &self.rows[(row.min(last) % 3) as usize]);
         let count = words_of(cells);
+        // Where there will be what is told, the means are until then.
         let (bonuses, blanks) = (words_mut(&mut worth.bonus, count), words_mut(&mut worth.blank, count));
-        let [mut fits, mut besides, mut likes] = [[0; WORDS]; 3];
-        means_around(rows.map(|row| words(&row.fit, count)), words_mut(&mut fits, count));
-        means_around(rows.map(|row| words(&row.beside, count)), words_mut(&mut besides, count));
-        means_around(rows.map(|row| words(&row.like, count)), words_mut(&mut likes, count));
-        let means = [&fits, &besides, &likes].map(|means| words(means, count));
+        let mut likes = [0; WORDS];
+        let likes = words_mut(&mut likes, count);
+        means_around(rows.map(|row| words(&row.fit, count)), bonuses);
+        means_around(rows.map(|row| words(&row.beside, count)), blanks);
+        means_around(rows.map(|row| words(&row.like, count)), likes);
         let strengths = rows.map(|row| words(&row.strength, count));
         // Where the row repeats itself each cell must be unique by itself, too: what is beside it may belong to something else,
         // which has no like.
@@ -248,12 +250,12 @@ impl<const WORDS: usize> Evidence<WORDS> {
             let (weakest, strongest) = (min(weakest, b), max(strongest, b));
             let quarter = halved_sum(halved_sum(strongest, 0), 0);
             let fringe = fringe | select_ge(weakest, max(quarter, ONES), 0, splat(FRINGE));
+            let [fit, beside, like] = [bonuses[i], blanks[i], likes[i]].map(u32::from_le_bytes);
             let blank = select_ge(blank_to, strength, u32::MAX, 0);
             blanks[i] = blank.to_le_bytes();
             // 3/4 of the strength.
             let half = halved_sum(strength, 0);
             let most_fit = halved_sum(strength, half);
-            let [fit, beside, like] = means.map(|means| u32::from_le_bytes(means[i]));
             let bonus = min(sub(min(beside, like), fit), splat(MOST_BONUS)) | fringe;
             let [own_fit, own_like] = own.map(|row| u32::from_le_bytes(row[i]));
             let better = min(sub(like, fit), sub(own_like, own_fit) | any);

@@ -47,18 +47,20 @@ pub(crate) struct RightView<const WORDS: usize> {
 }
 
 impl<const WORDS: usize> RightView<WORDS> {
-    /// Nothing is claimed.
+    /// Of no cells.
+    pub(crate) const EMPTY: Self = Self { claims: [0; WORDS], words: 0, origin: 0 };
+
+    /// Begins a row of so many cells, in an empty one: nothing is claimed.
     #[inline(always)]
-    pub(crate) fn new(config: &Config, cells: usize) -> Self {
-        let (mut claims, words) = ([0; WORDS], cells + 2);
+    pub(crate) fn start(&mut self, config: &Config, cells: usize) {
+        (self.words, self.origin) = (cells + 2, 4 - i32::from(config.min_disparity));
         let width = usize::from(config.width);
-        if let [first, .., inner, last] = &mut claims[..words] {
+        if let [first, .., inner, last] = &mut self.claims[..self.words] {
             (*first, *last) = (u32::MAX, u32::MAX);
             if !width.is_multiple_of(4) {
                 *inner = u32::MAX << (8 * (width % 4));
             }
         }
-        Self { claims, words, origin: 4 - i32::from(config.min_disparity) }
     }
 
     /// The cells that lie left of the right view, from the first on.

@@ -18,16 +18,13 @@ pub(crate) struct CellSums<const WORDS: usize> {
     pub(crate) far: [u8; WORDS],
     /// The same, at the distance of like contours to the right.
     pub(crate) like: [u8; WORDS],
-    /// Absolute differences at the answer.
-    pub(crate) fit: [u8; WORDS],
     /// Magnitudes of the left row's features.
     pub(crate) strength: [u8; WORDS],
 }
 
 impl<const WORDS: usize> CellSums<WORDS> {
     /// No sums.
-    pub(crate) const EMPTY: Self =
-        Self { near: [0; WORDS], far: [0; WORDS], like: [0; WORDS], fit: [0; WORDS], strength: [0; WORDS] };
+    pub(crate) const EMPTY: Self = Self { near: [0; WORDS], far: [0; WORDS], like: [0; WORDS], strength: [0; WORDS] };
 }
 
 /// What the cells of a row are made of.
@@ -46,12 +43,13 @@ pub(crate) struct CellWindows<'a, const WORDS: usize> {
 }
 
 impl<const WORDS: usize> CellWindows<'_, WORDS> {
-    /// Sums up the cells. What lies beyond the margin to the right cannot be told from the cell: 255.
+    /// Sums up the cells, and in `fit` what they differ by at their labels. What lies beyond the margin to the right cannot be
+    /// told from the cell: 255.
     ///
     /// # Panics
     /// If the rows have not two words more than there are cells.
     #[inline(never)]
-    pub(crate) fn sum(&self, sums: &mut CellSums<WORDS>) {
+    pub(crate) fn sum(&self, sums: &mut CellSums<WORDS>, fit: &mut [u8; WORDS]) {
         let cells = self.labels.len();
         assert!(cells >= 1 && cells + 2 <= WORDS);
         let distance = self.distance as usize;
@@ -68,26 +66,26 @@ impl<const WORDS: usize> CellWindows<'_, WORDS> {
         #[cfg(not(haarline_dsp))]
         let done = 0;
         self.sum_selves(done..cells, likes, sums);
-        self.sum_fits(sums);
+        self.sum_fits(fit);
     }
 
     /// Sums up what the cells differ by at their labels.
     ///
     /// # Panics
     /// If the rows have not two words more than there are cells.
-    pub(crate) fn sum_fits(&self, sums: &mut CellSums<WORDS>) {
+    pub(crate) fn sum_fits(&self, fit: &mut [u8; WORDS]) {
         let cells = self.labels.len();
         assert!(cells >= 1 && cells + 2 <= WORDS);
         #[cfg(haarline_dsp)]
         let done = {
             let pairs = cells / 2;
             // SAFETY: there are `cells` labels and the words of so many cells.
-            unsafe { super::fit_sums_by_pairs(self, sums, pairs) };
+            unsafe { super::fit_sums_by_pairs(self, fit, pairs) };
             2 * pairs
         };
         #[cfg(not(haarline_dsp))]
         let done = 0;
-        self.sum_fit(done..cells, sums);
+        self.sum_fit(done..cells, fit);
     }
 
     /// Whether the right row and its margins have the window of a cell at a label.
@@ -118,7 +116,7 @@ impl<const WORDS: usize> CellWindows<'_, WORDS> {
     }
 
     /// What the answers differ by.
-    fn sum_fit(&self, cells: core::ops::Range<usize>, sums: &mut CellSums<WORDS>) {
+    fn sum_fit(&self, cells: core::ops::Range<usize>, fit: &mut [u8; WORDS]) {
         let ([a, b], [c, d]) = (self.left, self.right);
         for i in cells {
             // Cells answer columns of the right row that move on with them.
@@ -126,7 +124,7 @@ impl<const WORDS: usize> CellWindows<'_, WORDS> {
             let byte = byte.cast_unsigned().min(self.last_byte()) as usize;
             // SAFETY: four bytes from the last one on end the row.
             let partner = unsafe { [word(c, byte), word(d, byte)] };
-            sums.fit[i] = difference([a[i + 1], b[i + 1]], partner);
+            fit[i] = difference([a[i + 1], b[i + 1]], partner);
         }
     }
 
@@ -210,7 +208,7 @@ mod tests {
         let rows = [0, 1, 2, 3].map(|seed| row(seed, CELLS + 2));
         let labels: [u8; CELLS] = core::array::from_fn(|c| (5 * c % 17) as u8);
         for distance in [6, 8, 21, 46, 255] {
-            let mut sums = CellSums::EMPTY;
+            let (mut sums, mut fit) = (CellSums::EMPTY, [0; 14]);
             let windows = CellWindows {
                 left: &[rows[0], rows[1]],
                 right: &[rows[2], rows[3]],
@@ -219,8 +217,8 @@ mod tests {
                 distance,
                 zero: u32::from_le_bytes([15; 4]),
             };
-            windows.sum(&mut sums);
-            let CellSums { near, far, like, fit, strength } = sums;
+            windows.sum(&mut sums, &mut fit);
+            let CellSums { near, far, like, strength } = sums;
             let byte = |row: usize, at: usize| i32::from(feature(1000 * row + at));
             for c in 0..CELLS {
                 let sum = |other: &dyn Fn(usize, usize) -> i32| -> i32 {

@@ -60,7 +60,7 @@ macro_rules! self_sums {
             ", {zero}\n usada8 {t}, ",
             $here_b,
             ", {zero}, {t}\n",
-            "usat {t}, #8, {t}\n strb {t}, [{out}, #4 * {words} + ",
+            "usat {t}, #8, {t}\n strb {t}, [{out}, #3 * {words} + ",
             $place,
             "]\n",
         )
@@ -128,14 +128,14 @@ macro_rules! fit_sum {
     };
 }
 
-/// The first `2 * pairs` cells' `fit`.
+/// What the first `2 * pairs` cells differ by at their labels.
 ///
 /// # Safety
 /// There must be so many labels, the rows' words, and four bytes from [`CellWindows::last_byte`] on.
 #[inline(always)]
 pub(crate) unsafe fn fit_sums_by_pairs<const WORDS: usize>(
     windows: &CellWindows<'_, WORDS>,
-    sums: &mut CellSums<WORDS>,
+    fit: &mut [u8; WORDS],
     pairs: usize,
 ) {
     if pairs == 0 {
@@ -156,7 +156,7 @@ pub(crate) unsafe fn fit_sums_by_pairs<const WORDS: usize>(
             "bne 2b",
             labels = inout(reg) labels => _, end = in(reg) labels.add(2 * pairs), origin = inout(reg) windows.origin => _,
             last = in(reg) windows.last_byte(), right = in(reg) right, below = in(reg) right.add(4 * WORDS),
-            left = inout(reg) windows.left.as_ptr().cast::<u32>().add(1) => _, out = inout(reg) sums.fit.as_mut_ptr() => _,
+            left = inout(reg) windows.left.as_ptr().cast::<u32>().add(1) => _, out = inout(reg) fit.as_mut_ptr() => _,
             t = out(reg) _, u = out(reg) _, v = out(reg) _, row = const { 4 * WORDS },
             options(nostack),
         );
