@@ -3,9 +3,10 @@
 the paper's Table 1 on the chip: wavelet-block against block.
 
 usage: firmware/checks/table.py HAARLINE ELF SCENES_DIR [SCENE...]
-       firmware/checks/table.py HAARLINE ELF SCENES_DIR --most METHOD[@NOISE]=INSTRUCTIONS...
+       firmware/checks/table.py HAARLINE ELF SCENES_DIR --most METHOD[/STAGE][@NOISE]=INSTRUCTIONS...
 
-With --most it only checks that a method's mean over four scenes at 48 disparities is not more, clean or at that noise;
+With --most it only checks that a method's mean over four scenes at 48 disparities is not more, of all stages but packets
+or of one, clean or at that noise;
 INSTRUCTIONS may be a share of another method's on the same frames: 0.5*block.
 
 HAARLINE is the host's program, ELF the twin (cargo twin), SCENES_DIR the folder of scenes. The errors are those of
@@ -52,10 +53,10 @@ class Bench:
         return run(self.haarline, "twin", "--random", "--seed", RANDOM_SEED, "--elf", self.elf, "--method", method,
                    "--num-disparities", disparities, "--json")
 
-    def mean_of_four(self, method, disparities, noise=0):
+    def mean_of_four(self, method, disparities, noise=0, stage="total"):
         """What each of the four scenes tells, and the mean of their instructions a pixel."""
         told = [self.count(scene, noise, method, disparities) for scene in FOUR]
-        return told, sum(one["instructions_per_pixel"]["total"] for one in told) / len(told)
+        return told, sum(one["instructions_per_pixel"][stage] for one in told) / len(told)
 
     def score(self, scene, noise, method):
         scored = run(self.haarline, "eval", self.scenes, "--only", scene, "--noise", noise, "--method", method,
@@ -124,9 +125,10 @@ def mean_of_four(bench):
 def check(bench, bounds):
     for bound in bounds:
         name, most = bound.split("=")
-        method, _, noise = name.partition("@")
+        measured, _, noise = name.partition("@")
+        method, _, stage = measured.partition("/")
         noise = noise or 0
-        _, mean = bench.mean_of_four(method, 48, noise)
+        _, mean = bench.mean_of_four(method, 48, noise, stage or "total")
         share, _, other = most.rpartition("*")
         limit = float(share) * bench.mean_of_four(other, 48, noise)[1] if share else float(most)
         print(f"{name}: {mean:.1f} instructions a pixel, at most {limit:.1f}")

@@ -1,7 +1,7 @@
 //! How noisy the frame is, judged from the rows that came so far.
 
 use crate::front_end::exposure::Gain;
-use crate::lanes::rows::{Mean, second_difference, second_difference_in};
+use crate::lanes::rows::{Clips, Mean, second_difference, second_difference_in};
 
 const BINS: usize = 64;
 /// Counts are halved here, so that they fit their 16 bits and old rows count less.
@@ -156,6 +156,14 @@ pub(crate) enum SmoothingLevel {
 }
 
 impl SmoothingLevel {
+    /// How gradients are limited.
+    pub(crate) const fn clips(self) -> Clips {
+        match self {
+            Self::Off | Self::Light => Clips::new(15, 4),
+            Self::Medium | Self::Strong => Clips::new(31, 0),
+        }
+    }
+
     /// The means down and along the row; none where rows stay as they came.
     pub(crate) const fn means(self) -> Option<(Mean, Mean)> {
         match self {

@@ -5,10 +5,10 @@ use crate::answer::linkage::{Links, PointRows};
 use crate::front_end::camera_view::{CameraView, Row};
 use crate::front_end::exposure::{Exposure, Gain};
 use crate::front_end::noise::{Noise, NoiseHistogram, RawNoise};
+use crate::front_end::sampling::Sampling;
 use crate::lanes::rows::Clips;
 use crate::method::capacity::check_capacity;
 use crate::method::missing_rows::MissingRows;
-use crate::method::tile_pipeline::{Sampling, clips_of};
 use crate::stage::{Stage, StageClock, Untimed};
 use crate::{Config, ConfigError, Disparity, DisparityRow, RowError, ScanlinePair, StereoMethod};
 
@@ -151,7 +151,7 @@ impl<M: Points<ROWS, BLOCKS>, const ROWS: usize, const BLOCKS: usize, C: StageCl
         self.measured += 1;
         self.points.begin();
         if (y..y + POINT_ROWS).any(|y| y < self.rows && !self.missing.has(y)) {
-            let (config, clips) = (&self.config, clips_of(self.noise.level));
+            let (config, clips) = (&self.config, self.noise.level.clips());
             let rows = SparseRows { config, clips, y, newest: self.smoothed - 1, views: &self.views };
             self.method.measure(&rows, &mut self.points, &self.clock);
         }

@@ -13,6 +13,7 @@ use crate::answer::repetition::Repetition;
 use crate::front_end::camera_view::{CameraView, FeatureRows, TILE_ROWS, words_for};
 use crate::front_end::exposure::{Exposure, Gain};
 use crate::front_end::noise::{Noise, NoiseHistogram, RawNoise, SmoothingLevel};
+use crate::front_end::sampling::Sampling;
 use crate::lanes::answer_rows::WordAligned;
 use crate::lanes::rows::Clips;
 use crate::matching::agreement::Penalties;
@@ -160,7 +161,7 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> Tiled<M, BLOCKS, C> {
             SmoothingLevel::Strong => (contour, 16, 96),
         };
         Settings {
-            clips: clips_of(self.noise.level),
+            clips: self.noise.level.clips(),
             contour_threshold,
             strong_noise: self.noise.level == SmoothingLevel::Strong,
             tile: TileSettings { cost, near, far, extremum },
@@ -453,33 +454,6 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> Tiled<M, BLOCKS, C> {
         self.noise = noise;
         if !self.parts().smoothing {
             self.noise.level = SmoothingLevel::Off;
-        }
-    }
-}
-
-/// How gradients are limited.
-pub(crate) const fn clips_of(level: SmoothingLevel) -> Clips {
-    match level {
-        SmoothingLevel::Off | SmoothingLevel::Light => Clips::new(15, 4),
-        SmoothingLevel::Medium | SmoothingLevel::Strong => Clips::new(31, 0),
-    }
-}
-
-/// Which pixels of a row are looked at for noise and exposure: more in a frame's first rows, so that the level is right soon.
-pub(crate) struct Sampling {
-    pub(crate) first: usize,
-    pub(crate) stride: usize,
-    pub(crate) weight: u16,
-}
-
-impl Sampling {
-    pub(crate) fn of(row: u32) -> Option<Self> {
-        let first = (row as usize * 5) % 32;
-        match row {
-            0..16 => Some(Self { first: first % 8, stride: 8, weight: 2 }),
-            16..48 if row.is_multiple_of(2) => Some(Self { first: first % 8, stride: 8, weight: 4 }),
-            48.. if row.is_multiple_of(4) => Some(Self { first, stride: 32, weight: 64 }),
-            _ => None,
         }
     }
 }

@@ -4,7 +4,7 @@ use super::plan::Plan;
 use super::{Offset, Rectification, Rectifier};
 use crate::frame_figures::{FrameFigures, Input};
 use crate::front_end::noise::RawNoise;
-use crate::method::tile_pipeline::Sampling;
+use crate::front_end::sampling::Sampling;
 use crate::row_watch::RowWatch;
 use crate::{
     Config, ConfigError, Correction, Disparity, DisparityRow, RowError, ScanlinePair, Stage, StageClock, StereoMethod,
