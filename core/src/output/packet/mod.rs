@@ -1,6 +1,6 @@
 //! Row packets: a disparity row as a few bytes that survive a wire (feature `packet`).
 //!
-//! A frame is a packet that begins it, packets of a row or two, and one that ends it. Every packet carries a sequence
+//! A frame is a packet that begins it, packets of one to four rows, and one that ends it. Every packet carries a sequence
 //! number and the frame's number; the first and the last the [`Counters`], the last what the frame is worth
 //! ([`FrameEnd`]). Integers are postcard's variable-length ones. A CRC-32 follows, and COBS takes the zeros out: a zero
 //! ends each packet and occurs nowhere else, so a receiver that lost its place goes on at the next one.

@@ -1,6 +1,6 @@
 //! The rows of a row of cells of 4 columns, as what was decided of each cell.
 //!
-//! Pairs of cells go together, 64 at most; columns that fill no pair are one, filled up by the last pixel. First come the [`confidences`]
+//! Pairs of cells go together, 64 at most; columns that fill no pair are one by themselves, filled up by the last pixel. First come the [`confidences`]
 //! of all its cells, then their [`disparities`]. All rows have the same confidences, and the same difference to the row above
 //! them; a row alone is its own lower row.
 //!
@@ -74,7 +74,7 @@ pub(super) fn write(rows: &[DisparityRow<'_>], room: &mut [u8]) -> Option<usize>
 pub(super) fn read(mut bytes: &[u8], nth: u8, disparity: &mut [Disparity], confidence: &mut [u8]) -> Option<()> {
     let mut before = Before::NONE;
     let whole = disparity.len() / PAIR * PAIR;
-    let [(disparity, rest)] = [disparity.split_at_mut_checked(whole)?];
+    let (disparity, rest) = disparity.split_at_mut_checked(whole)?;
     let (confidence, rest_sure) = confidence.split_at_mut_checked(whole)?;
     let groups = disparity.chunks_mut(PAIR * PAIRS).zip(confidence.chunks_mut(PAIR * PAIRS));
     let rest = (!rest.is_empty()).then_some((rest, rest_sure));
