@@ -84,10 +84,15 @@ impl Block {
         }
     }
 
-    /// The disparity that is told of its chain of sure blocks, 1/16 px.
-    pub(super) fn told(&self) -> u32 {
-        let (two, three) = (self.sure >> 16, self.reached & 0xffff);
-        if three > 0 { two.min(three + Self::MOST_ALONE) } else { two }
+    /// The disparity that is told of its chain of sure blocks, 1/16 px. One that is not sure where its surface ends is a mean of
+    /// this surface and what is behind it: nobody else has to reach it.
+    pub(super) fn told(&self, is_sure: bool) -> u32 {
+        let (own, two, three) = (self.sure & 0xffff, self.sure >> 16, self.reached & 0xffff);
+        match (is_sure, three) {
+            (false, _) => two.max(own),
+            (true, 0) => two,
+            (true, _) => two.min(three + Self::MOST_ALONE),
+        }
     }
 
     /// Whether sure blocks of so much weight agree, and not in one row only.

@@ -406,7 +406,7 @@ impl<const SECTORS: usize, const BLOCKS: usize> Obstacles<SECTORS, BLOCKS> {
                     self.note(lane, report);
                     report = Report { sector, bits: 0 };
                 }
-                report.bits = report.bits.max(block.told());
+                report.bits = report.bits.max(block.told(is_sure));
             }
             let bits = block.doubtful(doubtful_blocks);
             if !is_sure {
