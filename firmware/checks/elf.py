@@ -16,10 +16,11 @@ through the pointer that a method delivers its rows by: what lies behind it is n
 
 import re
 import shutil
-import struct
 import subprocess
 import sys
 from pathlib import Path
+
+from elf_file import FLAGS, KIND, NO_BITS, SIZE, ElfFile
 
 ROOT = re.compile(r"(?:Pipeline|Sparse|Tiled).*StereoMethod\S*::(push|miss|finish|start)::h")
 PANIC = re.compile(r"core::panicking|core::cell::panic|_fail(::|$)|unwrap_failed|expect_failed")
@@ -30,13 +31,9 @@ TARGET = re.compile(r"<(.+?)(?:\+0x[0-9a-f]+)?>")
 
 def sections(elf):
     """Sizes of the sections that take memory, by name, and whether they lie in flash or RAM or both."""
-    data = Path(elf).read_bytes()
-    offset, = struct.unpack_from("<I", data, 32)
-    size, count, names = struct.unpack_from("<HHH", data, 46)
-    heads = [struct.unpack_from("<10I", data, offset + size * nth) for nth in range(count)]
-    name = lambda head: data[heads[names][4] + head[0] :].split(b"\0", 1)[0].decode()
     # SHF_ALLOC; what is no SHT_NOBITS and may be written is copied from flash to RAM.
-    return {name(head): (head[5], head[1] != 8, bool(head[2] & 1)) for head in heads if head[2] & 2 and head[5]}
+    return {name: (head[SIZE], head[KIND] != NO_BITS, bool(head[FLAGS] & 1))
+            for name, head in ElfFile(elf).sections() if head[FLAGS] & 2 and head[SIZE]}
 
 
 def memory(elf):

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Prints as Markdown what each method takes at 320 px and 48 disparities: flash is `.text + .rodata` of a program with one
 method less the same with one that does nothing, and less what copies and fills memory, which every program has; of it the
-functions of evidence, by their names; RAM is its state and how deep its pushes need the stack, counted alike.
+functions of evidence, by their modules; RAM is its state and how deep its pushes need the stack, counted alike.
 
 usage: firmware/checks/footprint.py [METHOD[=MOST]...]
 
@@ -12,10 +12,11 @@ Needs cargo, the target thumbv7em-none-eabihf and qemu-system-arm.
 
 import os
 import re
-import struct
 import subprocess
 import sys
 from pathlib import Path
+
+from elf_file import SIZE, ElfFile
 
 ROOT = Path(__file__).parents[2]
 METHODS = ["lite", "full", "block", "sgm"]
@@ -24,40 +25,19 @@ BUILD = ["cargo", "build", "--quiet", "-p", "haarline-firmware", "--profile", "f
          "--no-default-features", "--features", "twin", "--bin", "footprint"]
 
 
-# Functions of the compiler's that every program has, and those that tell what an answer is worth.
-MEMORY = re.compile(r"^(__aeabi_)?mem(cpy|move|set|clr|cmp|bcmp)[48]?$|compiler_builtins3mem")
-EVIDENCE = re.compile(r"8evidence|13evidence_rows|10repetition|13neighbourhood|13frame_figures|10right_view|6survey|5doubt|11doubt_blank")
+# Functions of the compiler's that every program has, and the modules that tell what an answer is worth.
+MEMORY = re.compile(r"^(__aeabi_)?mem(cpy|move|set|clr|cmp)[48]?$|compiler_builtins3mem")
+EVIDENCE = re.compile(r"8evidence|13evidence_rows|10repetition|13frame_figures")
 
 
-class Elf:
-    """The sections of a program, and what its functions take."""
+def flash(elf):
+    """Bytes of `.text` and `.rodata`."""
+    return sum(head[SIZE] for name, head in elf.sections() if name in [".text", ".rodata"])
 
-    def __init__(self, path):
-        self.data = path.read_bytes()
-        offset, = struct.unpack_from("<I", self.data, 32)
-        size, count, names = struct.unpack_from("<HHH", self.data, 46)
-        self.heads = [struct.unpack_from("<10I", self.data, offset + size * nth) for nth in range(count)]
-        self.names = self.heads[names][4]
 
-    def text(self, at):
-        return self.data[at : self.data.index(b"\0", at)].decode()
-
-    def flash(self):
-        """Bytes of `.text` and `.rodata`."""
-        return sum(head[5] for head in self.heads if self.text(self.names + head[0]) in [".text", ".rodata"])
-
-    def functions(self, pattern):
-        """Bytes of the functions whose mangled names match; each once, however many names it has."""
-        sizes = {}
-        for head in self.heads:
-            if head[1] != 2:  # the table of symbols
-                continue
-            strings = self.heads[head[6]][4]
-            for at in range(head[4], head[4] + head[5], 16):
-                name, value, size, info, _, _ = struct.unpack_from("<IIIBBH", self.data, at)
-                if info & 15 == 2 and pattern.search(self.text(strings + name)):
-                    sizes[value] = size
-        return sum(sizes.values())
+def functions(elf, pattern):
+    """Bytes of the functions whose mangled names match; each once, however many names it has."""
+    return sum({address: size for name, address, size in elf.functions() if pattern.search(name)}.values())
 
 
 def measure(method):
@@ -71,8 +51,9 @@ def measure(method):
     words = done.stdout.split()
     if done.returncode != 0 or words[0::2] != ["state", "stack", "rows"] or int(words[5]) == 0:
         sys.exit(f"{method}: the program does not tell: {done.stdout}{done.stderr}")
-    elf = Elf(elf)
-    return elf.flash() - elf.functions(MEMORY), elf.functions(EVIDENCE), int(words[1]), int(words[3])
+    program = ElfFile(elf)
+    own = flash(program) - functions(program, MEMORY)
+    return own, functions(program, EVIDENCE), int(words[1]), int(words[3])
 
 
 def main():

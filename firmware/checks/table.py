@@ -6,13 +6,13 @@ usage: firmware/checks/table.py HAARLINE ELF SCENES_DIR [SCENE...]
        firmware/checks/table.py HAARLINE ELF SCENES_DIR --most METHOD[/STAGE][@NOISE]=INSTRUCTIONS...
 
 With --most it only checks that a method's mean over four scenes at 48 disparities is not more, of all stages but packets
-or of one, clean or at that noise;
-INSTRUCTIONS may be a share of another method's on the same frames: 0.5*block.
+or of one, clean or at that noise; INSTRUCTIONS may be a share of another method's on the same frames: 0.5*block.
 
 HAARLINE is the host's program, ELF the twin (cargo twin), SCENES_DIR the folder of scenes. The errors are those of
 haarline eval: the chip's maps are the host's, byte for byte, or else haarline twin fails.
 """
 
+import functools
 import json
 import subprocess
 import sys
@@ -44,6 +44,7 @@ class Bench:
     def disparities(self, scene):
         return json.loads((self.scenes / scene / "meta.json").read_text())["num_disparities"]
 
+    @functools.cache
     def count(self, scene, noise, method, disparities):
         views = [self.scenes / scene / f"{view}.png" for view in ["left", "right"]]
         return run(self.haarline, "twin", *views, "--elf", self.elf, "--noise", noise, "--method", method,

@@ -219,7 +219,7 @@ impl<const WORDS: usize> Evidence<WORDS> {
         let last = self.len.saturating_sub(1);
         let rows = [number.saturating_sub(1), number, number + 1].map(|row| &self.rows[(row.min(last) % 3) as usize]);
         let count = words_of(cells);
-        // Where there will be what is told, the means are until then.
+        // The means lie where the results of the same cells come.
         let (bonuses, blanks) = (words_mut(&mut worth.bonus, count), words_mut(&mut worth.blank, count));
         let mut likes = [0; WORDS];
         let likes = words_mut(&mut likes, count);

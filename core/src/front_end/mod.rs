@@ -1,5 +1,5 @@
-//! What is kept of a row: `exposure` and `noise` judge some pixels of it (`sampling`), a `camera_view` smooths it and makes features of it, gradients or
-//! by `intensity`, and a `contour_line` is what sparse methods match the views by.
+//! What is kept of a row: `exposure` and `noise` judge some pixels of it (`sampling`), a `camera_view` smooths it and makes
+//! features of it, gradients or by `intensity`, and a `contour_line` is what sparse methods match the views by.
 
 pub(crate) mod camera_view;
 pub mod contour;

@@ -8,7 +8,7 @@
 //! Rows come back exactly, whatever is in them. Those of a row of cells go together, two of [`Full`](crate::Full) and four of
 //! [`Lite`](crate::Lite), as what was decided of each cell ([`Content::Cells`]); rows of other methods one at a time,
 //! equal neighbours once ([`Content::Runs`]); a row in which that does not pay is sent as it is, so that no packet is longer than
-//! [`max_bytes`] tells: 1050 bytes for 320 px. Bytes a row and instructions: `docs/instructions.md`.
+//! [`max_bytes`] tells: 1050 bytes for 320 px. Bytes a row and instructions: `docs/cost.md`.
 //!
 //! This is version 3. The version is added to the checksum, so that a packet of another version is told from a damaged one
 //! ([`PacketError::Version`]).

@@ -14,7 +14,7 @@
 //! Before the first run of a row the last known disparity is 0. Two bytes are little-endian. A length
 //! less 16 is one byte below 255, else 255 and two bytes.
 
-use super::writer::Writer;
+use super::writer::{Writer, take};
 use crate::{Disparity, DisparityRow};
 
 const HOLE: u8 = 0;
@@ -128,8 +128,7 @@ pub(super) fn read_plain(bytes: &[u8], disparity: &mut [Disparity], confidence: 
 
 /// The same of runs.
 pub(super) fn read_runs(bytes: &[u8], disparity: &mut [Disparity], confidence: &mut [u8]) -> Option<()> {
-    let mut bytes = bytes.iter().copied();
-    let (mut last, mut x) = (0, 0);
+    let (mut bytes, mut last, mut x) = (bytes, 0, 0);
     while x < disparity.len() {
         let run = read_run(&mut bytes, &mut last)?;
         let end = x + usize::from(run.length);
@@ -137,11 +136,11 @@ pub(super) fn read_runs(bytes: &[u8], disparity: &mut [Disparity], confidence: &
         confidence.get_mut(x..end)?.fill(run.confidence);
         x = end;
     }
-    bytes.next().is_none().then_some(())
+    bytes.is_empty().then_some(())
 }
 
-fn read_run(bytes: &mut impl Iterator<Item = u8>, last: &mut i16) -> Option<Run> {
-    let token = bytes.next()?;
+fn read_run(bytes: &mut &[u8], last: &mut i16) -> Option<Run> {
+    let [token] = take(bytes)?;
     let mut length = u16::from(token & 15) + 1;
     if length > LONG {
         length = length.checked_add(read_length(bytes)?)?;
@@ -151,17 +150,18 @@ fn read_run(bytes: &mut impl Iterator<Item = u8>, last: &mut i16) -> Option<Run>
         return Some(Run { disparity: Disparity::UNKNOWN, confidence: 0, length });
     }
     let bits = match form {
-        WIDE => i16::from_le_bytes([bytes.next()?, bytes.next()?]),
-        NARROW => last.wrapping_add(i16::from(i8::from_le_bytes([bytes.next()?]))),
+        WIDE => i16::from_le_bytes(take(bytes)?),
+        NARROW => last.wrapping_add(i16::from(i8::from_le_bytes(take(bytes)?))),
         near => last.wrapping_add(i16::from(near) - i16::from(SAME)),
     };
     *last = bits;
-    Some(Run { disparity: Disparity::from_bits(bits), confidence: bytes.next()?, length })
+    let [confidence] = take(bytes)?;
+    Some(Run { disparity: Disparity::from_bits(bits), confidence, length })
 }
 
-fn read_length(bytes: &mut impl Iterator<Item = u8>) -> Option<u16> {
-    match bytes.next()? {
-        255 => Some(u16::from_le_bytes([bytes.next()?, bytes.next()?])),
-        short => Some(short.into()),
+fn read_length(bytes: &mut &[u8]) -> Option<u16> {
+    match take(bytes)? {
+        [255] => Some(u16::from_le_bytes(take(bytes)?)),
+        [short] => Some(short.into()),
     }
 }

@@ -36,10 +36,10 @@ impl Range {
         Self { least, count: (most - least).cast_unsigned() + 1 }
     }
 
-    /// Which one of them a number is, from 0 on.
-    const fn index(self, number: i32) -> Option<u32> {
+    /// What a number of the range adds to a code that begins with `first`, if the ranges before have so many numbers together.
+    const fn part(self, number: i32, before: u32, first: u32) -> Option<u32> {
         let index = number.wrapping_sub(self.least).cast_unsigned();
-        if index < self.count { Some(index) } else { None }
+        if index < self.count { Some(first + before * index) } else { None }
     }
 
     /// The number, and what is left of an index of several.
@@ -75,34 +75,25 @@ const fn codes() -> DisparityCodes {
     while i < shapes.count {
         let shape = shapes.least + i.cast_signed();
         let [_, second, third, _] = columns(shape);
-        codes.shape[(third as i32 + 16) as usize] = Part::of_shape(ONE[0].index(shape), i, second as i32);
+        codes.shape[(third as i32 + 16) as usize] =
+            Part::of_shape(ONE[0].part(shape, 1, FIRST_OF_ONE), i, second as i32);
         i += 1;
     }
     let mut i = 0;
     while i < rises.count {
         let rise = rises.least + i.cast_signed();
-        let one = times(ONE[2].index(rise), ONE[0].count * ONE[1].count);
+        let one = ONE[2].part(rise, ONE[0].count * ONE[1].count, 0);
         codes.rise[(2 * rise + 16) as usize] = Part::new(one, shapes.count * i);
         i += 1;
     }
     let mut i = 0;
     while i < steps.count {
         let step = steps.least + i.cast_signed();
-        let one = match times(ONE[1].index(step), ONE[0].count) {
-            Some(one) => Some(FIRST_OF_ONE + one),
-            None => None,
-        };
+        let one = ONE[1].part(step, ONE[0].count, 0);
         codes.step[(step + 32) as usize] = Part::new(one, shapes.count * rises.count * i);
         i += 1;
     }
     codes
-}
-
-const fn times(index: Option<u32>, count: u32) -> Option<u32> {
-    match index {
-        Some(index) => Some(index * count),
-        None => None,
-    }
 }
 
 /// The columns of a cell of a shape, less the first.
