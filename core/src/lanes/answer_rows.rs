@@ -48,7 +48,25 @@ pub(crate) fn lay_planes<const HEIGHT: u32>(planes: &PlanePairs<'_>, pixels: &mu
         }
     }
     #[cfg(not(haarline_dsp))]
-    for (i, (pixels, down)) in pixels.iter_mut().zip(downs).enumerate() {
+    {
+        #[cfg(haarline_sse2)]
+        let done = super::x86_64::answers::lay_planes_by_fours::<HEIGHT>(planes, pixels, downs);
+        #[cfg(not(haarline_sse2))]
+        let done = 0;
+        lay_pairs::<HEIGHT>(planes, pixels, downs, done);
+    }
+}
+
+/// Lays planes through the pairs of cells from `first` on.
+#[cfg(not(haarline_dsp))]
+#[inline(always)]
+fn lay_pairs<const HEIGHT: u32>(
+    planes: &PlanePairs<'_>,
+    pixels: &mut [PixelPair],
+    downs: &mut [[i16; 2]],
+    first: usize,
+) {
+    for (i, (pixels, down)) in pixels.iter_mut().zip(downs).enumerate().skip(first) {
         (*pixels, *down) = lay_pair::<HEIGHT>(planes, i);
     }
 }
@@ -108,7 +126,26 @@ pub(crate) fn write_moved<const TIMES: i32>(
         }
     }
     #[cfg(not(haarline_dsp))]
-    for ((pixels, slopes), out) in pixels.iter().zip(slopes).zip(out) {
+    {
+        #[cfg(haarline_sse2)]
+        let done = super::x86_64::answers::write_moved_by_fours::<TIMES>(pixels, slopes, least, out);
+        #[cfg(not(haarline_sse2))]
+        let done = 0;
+        write_pairs::<TIMES>(pixels, slopes, least, out, done);
+    }
+}
+
+/// Writes the pairs from `first` on.
+#[cfg(not(haarline_dsp))]
+#[inline(always)]
+fn write_pairs<const TIMES: i32>(
+    pixels: &[PixelPair],
+    slopes: &[[i16; 2]],
+    least: u32,
+    out: &mut [[[Disparity; 4]; 2]],
+    first: usize,
+) {
+    for ((pixels, slopes), out) in pixels.iter().zip(slopes).zip(out).skip(first) {
         for ((pixels, &slope), out) in pixels.iter().zip(slopes).zip(out) {
             let down = splat_half((TIMES * i32::from(slope)).cast_unsigned() & 0xffff);
             let [a, b] = pixels.map(|pair| signed_max_halves(add_halves(pair, down), least));
@@ -136,4 +173,68 @@ pub(crate) fn copy<T: Copy>(from: &[T], to: &mut [T]) {
     #[cfg(not(haarline_dsp))]
     let done = 0;
     to[done..len].copy_from_slice(&from[done..len]);
+}
+
+#[cfg(all(test, haarline_sse2))]
+mod tests {
+    use super::*;
+
+    const PAIRS: usize = 19;
+
+    /// Numbers of all kinds.
+    fn numbers(seed: &mut u32) -> [[u16; 2]; PAIRS] {
+        [[0; 2]; PAIRS].map(|pair| {
+            pair.map(|_: u16| {
+                *seed = seed.wrapping_mul(0x9e37_79b1).wrapping_add(0x7f4a_7c15);
+                let number = ((*seed ^ *seed >> 15).wrapping_mul(0x85eb_ca6b) >> 8) as u16;
+                // Many near each other, so that they are one surface.
+                if *seed >> 31 == 0 { 0x3000 + number % 500 } else { number }
+            })
+        })
+    }
+
+    fn slopes(seed: &mut u32) -> [[i16; 2]; PAIRS] {
+        numbers(seed).map(|pair| pair.map(|number| number.cast_signed() >> 4))
+    }
+
+    fn check_planes<const HEIGHT: u32>(seed: &mut u32, pairs: usize) {
+        let [above, here, below] = [0; 3].map(|_: u32| numbers(seed));
+        let slopes = slopes(seed);
+        let planes = PlanePairs {
+            values: [&above[..pairs], &here[..pairs], &below[..pairs]],
+            slopes: &slopes[..pairs],
+            same: splat_half(383),
+            bases: [0x0123_0123, 0xfe76_fe76],
+            raised: splat_half(raised(down_bits(HEIGHT))),
+        };
+        let mut found = ([[[7; 2]; 2]; PAIRS], [[7; 2]; PAIRS]);
+        let mut wanted = found;
+        lay_planes::<HEIGHT>(&planes, &mut found.0[..pairs], &mut found.1[..pairs]);
+        lay_pairs::<HEIGHT>(&planes, &mut wanted.0[..pairs], &mut wanted.1[..pairs], 0);
+        assert_eq!(found, wanted);
+    }
+
+    fn check_written<const TIMES: i32>(seed: &mut u32, pairs: usize) {
+        let pixels = [0; PAIRS].map(|_: u32| [0; 2].map(|_: u32| [0; 2].map(|_: u32| word(numbers(seed)[0]))));
+        let slopes = slopes(seed);
+        let least = splat_half(0xff00);
+        let mut found = [[[Disparity::UNKNOWN; 4]; 2]; PAIRS];
+        let mut wanted = found;
+        write_moved::<TIMES>(&pixels[..pairs], &slopes[..pairs], least, &mut found[..pairs]);
+        write_pairs::<TIMES>(&pixels[..pairs], &slopes[..pairs], least, &mut wanted[..pairs], 0);
+        assert!(found.as_flattened().iter().flatten().eq(wanted.as_flattened().iter().flatten()));
+    }
+
+    #[test]
+    fn pairs_side_by_side_are_as_one_by_one() {
+        let mut seed = 1;
+        for pairs in (0..=PAIRS).cycle().take(20 * PAIRS) {
+            check_planes::<2>(&mut seed, pairs);
+            check_planes::<4>(&mut seed, pairs);
+            check_written::<-3>(&mut seed, pairs);
+            check_written::<-1>(&mut seed, pairs);
+            check_written::<1>(&mut seed, pairs);
+            check_written::<3>(&mut seed, pairs);
+        }
+    }
 }

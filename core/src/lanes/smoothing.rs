@@ -113,14 +113,28 @@ impl<const WORDS: usize> Values<WORDS> {
     /// All pairs but the last two; how many. Written for Cortex-M in 50 instructions a pair.
     #[cfg(not(haarline_dsp))]
     fn smooth_inner(&mut self, pairs: usize, same: u32, raw: &mut Side, smooth: &mut Side) -> usize {
-        for pair in 2..pairs {
+        #[cfg(haarline_sse2)]
+        let first = {
+            let (values, slopes) = (self.value.as_chunks_mut().0, self.slope.as_chunks_mut().0);
+            super::x86_64::smoothing::smooth_by_fours(&mut values[..pairs], slopes, same, [raw, smooth])
+        };
+        #[cfg(not(haarline_sse2))]
+        let first = 2;
+        self.smooth_pairs(first..pairs, same, raw, smooth);
+        pairs.saturating_sub(2)
+    }
+
+    /// Takes these pairs, and writes those two before.
+    #[cfg(not(haarline_dsp))]
+    #[inline(always)]
+    fn smooth_pairs(&mut self, pairs: core::ops::Range<usize>, same: u32, raw: &mut Side, smooth: &mut Side) {
+        for pair in pairs {
             let next = self.value.as_chunks::<2>().0.get(pair).map_or(0, |&pair| word(pair));
             let once = once(same, *raw, next);
             self.write(pair - 2, twice(same, *smooth, once));
             *raw = Side { before: raw.here, here: next };
             *smooth = Side { before: smooth.here, here: once };
         }
-        pairs.saturating_sub(2)
     }
 
     #[cfg(haarline_dsp)]
@@ -221,9 +235,9 @@ impl<const WORDS: usize> Values<WORDS> {
 
 /// A pair, and the one before it.
 #[derive(Debug, Clone, Copy)]
-struct Side {
-    before: u32,
-    here: u32,
+pub(crate) struct Side {
+    pub(crate) before: u32,
+    pub(crate) here: u32,
 }
 
 impl Side {
@@ -291,6 +305,33 @@ mod tests {
             let wanted = pass(&pass(&values, 4), 3);
             let found: Vec<i32> = found.value[..words.len()].iter().map(|&value| value.into()).collect();
             assert_eq!(found, wanted, "{count} values");
+        }
+    }
+
+    #[test]
+    #[cfg(haarline_sse2)]
+    fn pairs_side_by_side_are_smoothed_as_one_by_one() {
+        let mut seed = 1_u32;
+        let mut next = || {
+            seed = seed.wrapping_mul(0x9e37_79b1).wrapping_add(0x7f4a_7c15);
+            (seed ^ seed >> 15).wrapping_mul(0x85eb_ca6b)
+        };
+        for pairs in (0..=32).cycle().take(600) {
+            // Some of one surface, some extreme.
+            let value = [0; 64].map(|_: u16| {
+                let number = next();
+                if number >> 30 == 0 { number as u16 } else { 0x8000 - 80 + (number >> 8) as u16 % 160 }
+            });
+            let mut found = Values { value, slope: [7; 64] };
+            let mut wanted = found.clone();
+            let sides = [0; 2].map(|_: u32| Side { before: next(), here: next() });
+            let ([mut raw, mut smooth], [mut raw_wanted, mut smooth_wanted]) = (sides, sides);
+            found.smooth_inner(pairs, SAME, &mut raw, &mut smooth);
+            wanted.smooth_pairs(2..pairs, SAME, &mut raw_wanted, &mut smooth_wanted);
+            assert_eq!((found.value, found.slope), (wanted.value, wanted.slope), "{pairs} pairs");
+            for (found, wanted) in [(raw, raw_wanted), (smooth, smooth_wanted)] {
+                assert_eq!([found.before, found.here], [wanted.before, wanted.here], "{pairs} pairs");
+            }
         }
     }
 

@@ -2,8 +2,10 @@
 //! from one operation to the next.
 #![cfg_attr(haarline_sse2, allow(dead_code, reason = "what goes word by word is held against the quads in tests"))]
 
+pub(crate) mod answers;
 pub(crate) mod quad;
 pub(crate) mod rows;
+pub(crate) mod smoothing;
 
 use quad::Quad;
 pub(super) use rows::{gradient_across_fours, gradient_down_fours};

@@ -4,6 +4,25 @@
 #[allow(clippy::wildcard_imports, reason = "a few dozen instructions, all with the same prefix")]
 use core::arch::x86_64::*;
 
+use crate::Disparity;
+
+/// Sixteen bytes without gaps, each of which may be any.
+///
+/// # Safety
+/// It is as it says.
+pub(crate) unsafe trait Sixteen: Copy {}
+
+// SAFETY: sixteen numbers of 8 bits, eight of 16, or four of 32.
+unsafe impl Sixteen for [u8; 16] {}
+// SAFETY: as before.
+unsafe impl Sixteen for [[u16; 2]; 4] {}
+// SAFETY: as before.
+unsafe impl Sixteen for [[i16; 2]; 4] {}
+// SAFETY: as before.
+unsafe impl Sixteen for [[u32; 2]; 2] {}
+// SAFETY: as before; a disparity is its bits.
+unsafe impl Sixteen for [[Disparity; 4]; 2] {}
+
 /// Four words, the lowest first.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Quad(__m128i);
@@ -71,6 +90,14 @@ impl Quad {
         or = _mm_or_si128;
         /// Bits that one of both has.
         xor = _mm_xor_si128;
+        /// The lower two words of both, in turn.
+        in_turn = _mm_unpacklo_epi32;
+        /// The upper two words of both, in turn.
+        upper_in_turn = _mm_unpackhi_epi32;
+        /// The lower four halves of both, in turn.
+        halves_in_turn = _mm_unpacklo_epi16;
+        /// The upper four halves of both, in turn.
+        upper_halves_in_turn = _mm_unpackhi_epi16;
     }
 
     /// A word, and nothing that is looked at.
@@ -177,6 +204,17 @@ impl Quad {
         Self(unsafe { _mm_loadl_epi64(row.as_ptr().cast::<u8>().add(byte).cast()) })
     }
 
+    /// The same of four bytes, and 0.
+    ///
+    /// # Safety
+    /// All must lie within the slice.
+    #[inline(always)]
+    pub(crate) unsafe fn load_word(row: &[u32], byte: usize) -> Self {
+        debug_assert!(byte + 4 <= 4 * row.len());
+        // SAFETY: as the caller promises.
+        Self::of_word(unsafe { row.as_ptr().cast::<u8>().add(byte).cast::<u32>().read_unaligned() })
+    }
+
     /// The words.
     #[inline(always)]
     pub(crate) fn words(self) -> [u32; 4] {
@@ -193,6 +231,60 @@ impl Quad {
         // SAFETY: the target has SSE2.
         let both = unsafe { _mm_cvtsi128_si64(self.0) }.cast_unsigned();
         [both as u32, (both >> 32) as u32]
+    }
+
+    /// What sixteen bytes hold.
+    #[inline(always)]
+    pub(crate) fn read<T: Sixteen>(from: &T) -> Self {
+        // SAFETY: sixteen bytes are there.
+        Self(unsafe { _mm_loadu_si128(core::ptr::from_ref(from).cast()) })
+    }
+
+    /// Puts it into sixteen bytes.
+    #[inline(always)]
+    pub(crate) fn write<T: Sixteen>(self, to: &mut T) {
+        // SAFETY: sixteen bytes are there, and may be any.
+        unsafe { _mm_storeu_si128(core::ptr::from_mut(to).cast(), self.0) };
+    }
+
+    /// Each half shifted towards its lower lane.
+    #[inline(always)]
+    pub(crate) fn halves_down<const BITS: i32>(self) -> Self {
+        // SAFETY: the target has SSE2.
+        Self(unsafe { _mm_srli_epi16::<BITS>(self.0) })
+    }
+
+    /// The last bytes of `before`, so many, and what follows; `REST` is 16 less `BYTES`.
+    #[inline(always)]
+    pub(crate) fn after<const BYTES: i32, const REST: i32>(self, before: Self) -> Self {
+        const { assert!(BYTES + REST == 16) }
+        // SAFETY: the target has SSE2.
+        unsafe { Self(_mm_slli_si128::<BYTES>(self.0)).or(Self(_mm_srli_si128::<REST>(before.0))) }
+    }
+
+    /// Four sums as halves: those in the words 0 and 2, and those of `others`.
+    #[inline(always)]
+    fn packed_sums(self, others: Self) -> Self {
+        // The first time an empty half stays between any two.
+        // SAFETY: the target has SSE2.
+        unsafe {
+            let apart = _mm_packs_epi32(self.0, others.0);
+            Self(_mm_packs_epi32(apart, apart))
+        }
+    }
+
+    /// Four sums as halves: those in the words 0 and 2, and those of `others`.
+    #[inline(always)]
+    pub(crate) fn sums_as_halves(self, others: Self) -> [u32; 2] {
+        self.packed_sums(others).two_words()
+    }
+
+    /// The same as bytes, at most 255.
+    #[inline(always)]
+    pub(crate) fn sums_as_bytes(self, others: Self) -> u32 {
+        let halves = self.packed_sums(others);
+        // SAFETY: the target has SSE2.
+        Self(unsafe { _mm_packus_epi16(halves.0, halves.0) }).word()
     }
 
     /// Each word shifted towards its higher lanes.
@@ -228,13 +320,6 @@ impl Quad {
     pub(crate) fn upper(self, other: Self) -> Self {
         // SAFETY: the target has SSE2.
         Self(unsafe { _mm_unpackhi_epi64(self.0, other.0) })
-    }
-
-    /// The lower two words of both, in turn.
-    #[inline(always)]
-    pub(crate) fn in_turn(self, other: Self) -> Self {
-        // SAFETY: the target has SSE2.
-        Self(unsafe { _mm_unpacklo_epi32(self.0, other.0) })
     }
 
     /// The lowest lane of each word in all of its lanes; the others must be 0.
@@ -286,6 +371,12 @@ impl Quad {
     #[inline(always)]
     pub(crate) fn difference(self, other: Self) -> Self {
         self.sub(other).or(other.sub(self))
+    }
+
+    /// `|self - other|` of unsigned halves.
+    #[inline(always)]
+    pub(crate) fn difference_of_halves(self, other: Self) -> Self {
+        self.sub_saturating_halves(other).or(other.sub_saturating_halves(self))
     }
 
     /// A bit for each lane: its top one.
