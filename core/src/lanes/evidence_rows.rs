@@ -52,21 +52,33 @@ impl<const WORDS: usize> CellWindows<'_, WORDS> {
     pub(crate) fn sum(&self, sums: &mut CellSums<WORDS>, fit: &mut [u8; WORDS]) {
         let cells = self.labels.len();
         assert!(cells >= 1 && cells + 2 <= WORDS);
-        let distance = self.distance as usize;
-        // So many cells whose window at the distance lies within the row.
-        let likes = (cells + 1).saturating_sub(distance.div_ceil(4)).min(cells);
+        let likes = self.likes();
         #[cfg(haarline_dsp)]
         let done = {
             let threes = likes.min(cells - 1) / 3;
             // SAFETY: before the last cell both words after a cell's are within the row, and so is the window at the
             // distance within `likes`.
-            unsafe { super::self_sums_by_threes(self.left, distance, self.zero, sums, threes) };
+            unsafe { super::self_sums_by_threes(self.left, self.distance as usize, self.zero, sums, threes) };
             3 * threes
         };
-        #[cfg(not(haarline_dsp))]
+        #[cfg(haarline_sse2)]
+        let done = {
+            let fours = likes.min(cells - 1) / 4;
+            // SAFETY: as above.
+            unsafe { super::x86_64::evidence::self_sums_by_fours(self, sums, fours) };
+            4 * fours
+        };
+        #[cfg(not(any(haarline_dsp, haarline_sse2)))]
         let done = 0;
         self.sum_selves(done..cells, likes, sums);
         self.sum_fits(fit);
+    }
+
+    /// So many cells whose window at the distance lies within the row.
+    #[inline(always)]
+    fn likes(&self) -> usize {
+        let cells = self.labels.len();
+        (cells + 1).saturating_sub((self.distance as usize).div_ceil(4)).min(cells)
     }
 
     /// Sums up what the cells differ by at their labels.
@@ -83,7 +95,10 @@ impl<const WORDS: usize> CellWindows<'_, WORDS> {
             unsafe { super::fit_sums_by_pairs(self, fit, pairs) };
             2 * pairs
         };
-        #[cfg(not(haarline_dsp))]
+        // SAFETY: there are the words of so many cells, and four bytes from the last one on end the rows.
+        #[cfg(haarline_sse2)]
+        let done = unsafe { super::x86_64::evidence::fit_sums_by_fours(self, fit) };
+        #[cfg(not(any(haarline_dsp, haarline_sse2)))]
         let done = 0;
         self.sum_fit(done..cells, fit);
     }
@@ -239,6 +254,39 @@ mod tests {
                     let right = |y: usize, x: usize| byte(y + 2, (x as i32 - i32::from(labels[c])) as usize);
                     assert_eq!(i32::from(fit[c]), sum(&right), "fit {c}");
                 }
+            }
+        }
+    }
+
+    #[test]
+    #[cfg(haarline_sse2)]
+    fn four_cells_at_once_are_as_one_by_one() {
+        let byte = |seed: usize| feature(seed) ^ feature(3 * seed + 1) << 3;
+        for cells in 1..=38 {
+            let rows: [[[u32; 40]; 2]; 2] = core::array::from_fn(|view| {
+                core::array::from_fn(|y| {
+                    core::array::from_fn(|i| {
+                        u32::from_le_bytes([0, 1, 2, 3].map(|lane| byte(500 * (2 * view + y) + 4 * i + lane)))
+                    })
+                })
+            });
+            let labels: [u8; 38] = core::array::from_fn(|c| byte(9000 + c));
+            for distance in [0, 6, 9, 46, 255] {
+                let labels = &labels[..cells];
+                let windows = CellWindows {
+                    left: &rows[0],
+                    right: &rows[1],
+                    labels,
+                    origin: 4 + 30,
+                    distance,
+                    zero: 0x2f2f_2f2f,
+                };
+                let (mut sums, mut fit) = (CellSums::EMPTY, [0; 40]);
+                let (mut wanted, mut wanted_fit) = (sums, fit);
+                windows.sum(&mut sums, &mut fit);
+                windows.sum_selves(0..cells, windows.likes(), &mut wanted);
+                windows.sum_fit(0..cells, &mut wanted_fit);
+                assert_eq!((sums, fit), (wanted, wanted_fit), "{cells} cells at {distance}");
             }
         }
     }

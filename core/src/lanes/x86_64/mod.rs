@@ -3,6 +3,7 @@
 #![cfg_attr(haarline_sse2, allow(dead_code, reason = "what goes word by word is held against the quads in tests"))]
 
 pub(crate) mod answers;
+pub(crate) mod evidence;
 pub(crate) mod quad;
 pub(crate) mod rows;
 pub(crate) mod smoothing;
