@@ -31,6 +31,29 @@ pub(crate) mod sevens;
 pub(crate) mod smoothing;
 pub(crate) mod trials;
 
+/// `a` if so, else `b`. A branch that nobody can foresee is taken the wrong way half of the times, which costs more than to find
+/// both; Cortex-M does not guess.
+#[inline(always)]
+pub(crate) fn choose<T>(is_a: bool, a: T, b: T) -> T {
+    #[cfg(haarline_dsp)]
+    return if is_a { a } else { b };
+    #[cfg(not(haarline_dsp))]
+    core::hint::select_unpredictable(is_a, a, b)
+}
+
+/// What is made of each number: [`core::array::from_fn`], of which a compiler for x86-64 makes a call for each.
+#[inline(always)]
+pub(crate) fn array<T: Copy + Default, const LEN: usize>(mut of: impl FnMut(usize) -> T) -> [T; LEN] {
+    if cfg!(haarline_dsp) {
+        return core::array::from_fn(of);
+    }
+    let mut all = [T::default(); LEN];
+    for (i, one) in all.iter_mut().enumerate() {
+        *one = of(i);
+    }
+    all
+}
+
 /// One in each lane.
 pub(crate) const ONES: u32 = 0x0101_0101;
 

@@ -12,6 +12,8 @@ use super::{gradient_across_fours, gradient_down_fours};
 
 #[cfg(haarline_sse2)]
 pub(crate) use super::x86_64::rows::haar_peaks_of_pairs;
+#[cfg(haarline_sse2)]
+use super::x86_64::tile::tile_sads;
 
 /// Flips unsigned bytes, 0 to 255, to signed ones, -128 to 127, and back.
 pub(crate) const FLIP: u32 = 0x8080_8080;
@@ -146,7 +148,9 @@ pub(crate) fn gradient_down(rows: [&[u32]; 2], clips: Clips, out: &mut [u32]) {
 pub(crate) fn fill(row: &mut [u32], pixels: &[u8], doublings: u32) {
     let Some(row) = row.get_mut(1..) else { return };
     assert!(pixels.len() <= 4 * row.len());
-    #[cfg(not(haarline_dsp))]
+    #[cfg(haarline_sse2)]
+    let done = super::x86_64::rows::fill_fours(row, pixels, doublings);
+    #[cfg(not(any(haarline_dsp, haarline_sse2)))]
     let done = 0;
     #[cfg(haarline_dsp)]
     let done = if doublings < 2 && pixels.as_ptr().cast::<u32>().is_aligned() && pixels.len() >= 32 {
@@ -265,9 +269,12 @@ pub(crate) fn tile_sad<const BLOCKS: usize>(
         // SAFETY: checked above; the four rows lie one behind the other.
         return unsafe { super::tile_sad_words::<BLOCKS>(first.add(left), other.cast::<u8>().add(right)) };
     }
-    // SAFETY: checked above.
     #[cfg(haarline_sse2)]
-    return unsafe { super::x86_64::rows::tile_sad(left_rows, left, right_rows, right) };
+    {
+        // SAFETY: checked above.
+        let [[upper, lower]] = unsafe { tile_sads(left_rows, left, right_rows, right) };
+        [upper & 0xffff, upper >> 16, lower & 0xffff, lower >> 16]
+    }
     #[cfg(not(haarline_sse2))]
     tile_sad_by_words(left_rows, left, right_rows, right)
 }
@@ -309,6 +316,10 @@ pub(crate) fn tile_sads_around<const BLOCKS: usize>(
         // SAFETY: checked above; the four rows lie one behind the other.
         return unsafe { super::tile_sads_around_words::<BLOCKS>(first.add(left), other.cast::<u8>().add(right)) };
     }
+    // SAFETY: checked above.
+    #[cfg(haarline_sse2)]
+    return unsafe { tile_sads(left_rows, left, right_rows, right) };
+    #[cfg(not(haarline_sse2))]
     [0, 1, 2].map(|step| {
         let [a, b, c, d] = tile_sad(left_rows, left, right_rows, right + step);
         [a | b << 16, c | d << 16]

@@ -1,8 +1,15 @@
 //! The labels that are tried of a tile, and what each differs by: a list whose labels are checked as they come.
-#![cfg_attr(haarline_dsp, expect(unsafe_code, reason = "windows at any byte, whose labels are checked as they come"))]
+#![cfg_attr(
+    any(haarline_dsp, haarline_sse2),
+    expect(unsafe_code, reason = "windows at any byte, whose labels are checked as they come")
+)]
 #![allow(clippy::cast_possible_truncation, reason = "tiles are below 4096, places below 16")]
 
+use crate::lanes::choose;
+#[cfg(not(haarline_sse2))]
 use crate::lanes::rows::tile_sad;
+#[cfg(haarline_sse2)]
+use crate::lanes::x86_64::tile::TileQuads;
 
 /// Most disparities that a tile tries: six hypotheses, and the steps of the extremum search. A power of two, so that a
 /// mask keeps places within it.
@@ -82,9 +89,29 @@ impl<const BLOCKS: usize> Trials<BLOCKS> {
     /// Puts a label on the list, if it may be tried and is not there; whatever is over 255 is no label.
     #[inline(always)]
     pub(crate) fn add(&mut self, label: u32) {
-        if self.place(label).is_none() && label.wrapping_sub(self.lowest) <= self.span {
-            self.put(label);
+        if cfg!(haarline_dsp) {
+            if self.place(label).is_none() && self.may_be_tried(label) {
+                self.put(label);
+            }
+        } else {
+            self.put_if_new(label);
         }
+    }
+
+    /// The same without a branch: a label that is not new is put behind the list, which is never full.
+    #[inline(always)]
+    fn put_if_new(&mut self, label: u32) {
+        let is_new = self.place(label).is_none() & self.may_be_tried(label);
+        let place = self.len % MOST;
+        let tried = &mut self.places[label as usize % PLACES];
+        *tried = choose(is_new, (self.tile << 4 | place) as u16, *tried);
+        self.list[place].key = (place << 8) as u32 | label;
+        self.len = place + usize::from(is_new);
+    }
+
+    #[inline(always)]
+    const fn may_be_tried(&self, label: u32) -> bool {
+        label.wrapping_sub(self.lowest) <= self.span
     }
 
     /// The place of a label that may be tried; now on the list if it was not.
@@ -92,7 +119,7 @@ impl<const BLOCKS: usize> Trials<BLOCKS> {
     pub(crate) fn place_of(&mut self, label: u32) -> usize {
         match self.place(label) {
             Some(place) => place,
-            None if label.wrapping_sub(self.lowest) <= self.span => self.put(label),
+            None if self.may_be_tried(label) => self.put(label),
             None => 0,
         }
     }
@@ -151,11 +178,71 @@ impl<const BLOCKS: usize> Trials<BLOCKS> {
             }
             return;
         }
+        #[cfg(haarline_sse2)]
+        {
+            // SAFETY: `start` and `add` see to it that the windows of all labels on the list lie within the rows.
+            let tile = unsafe { TileQuads::load(left, 4 * first) };
+            for trial in &mut self.list[from..len] {
+                let byte = self.origin.wrapping_sub(Trial::label_of(trial.key) as usize);
+                // SAFETY: as before.
+                trial.cells = tile.sad(unsafe { TileQuads::load(right, byte) });
+                let both = trial.cells[0] + trial.cells[1];
+                trial.key |= ((both & 0xffff) + (both >> 16)) << 12;
+            }
+        }
+        #[cfg(not(haarline_sse2))]
         for trial in &mut self.list[from..len] {
             let [a, b, c, d] =
                 tile_sad(left, first, right, self.origin.wrapping_sub(Trial::label_of(trial.key) as usize));
             trial.cells = [a | b << 16, c | d << 16];
             trial.key |= (a + b + c + d) << 12;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const BLOCKS: usize = 40;
+
+    #[test]
+    fn each_label_is_tried_once() {
+        let mut seed = 1_u32;
+        let mut next = || {
+            seed = seed.wrapping_mul(0x9e37_79b1).wrapping_add(0x7f4a_7c15);
+            (seed ^ seed >> 15).wrapping_mul(0x85eb_ca6b)
+        };
+        let [left, right] = [0; 2].map(|_: u32| [0; 4].map(|_: u32| [0; BLOCKS].map(|_: u32| next())));
+        let mut trials = Trials::<BLOCKS>::new();
+        for tile in 0..18 {
+            let (origin, lowest, highest) = (8 * tile + 4, next() % 3, 3 + next() % 2);
+            trials.start(tile, origin, lowest, highest);
+            let mut wanted = [0; 9];
+            let mut len = 0;
+            for i in 0..7 {
+                // The great ones stand for no label.
+                let label = if i == 6 {
+                    lowest
+                } else {
+                    [0, 1, 2, 3, 4, 5, u32::MAX, u32::MAX / 2, 0xffff][next() as usize % 9]
+                };
+                trials.add(label);
+                if (lowest..=highest).contains(&label) && !wanted[..len].contains(&label) {
+                    wanted[len] = label;
+                    len += 1;
+                }
+                assert_eq!(trials.len(), len);
+            }
+            trials.evaluate(0, &left, &right);
+            for (place, &label) in wanted[..len].iter().enumerate() {
+                assert_eq!(trials.place_of(label), place);
+                let trial = trials.at(place);
+                let [a, b, c, d] = crate::lanes::rows::tile_sad(&left, 2 * tile + 1, &right, origin - label as usize);
+                assert_eq!((Trial::label_of(trial.key), Trial::sum_of(trial.key)), (label, a + b + c + d));
+                assert_eq!(trial.cells, [a | b << 16, c | d << 16]);
+                assert_eq!(trials.of(trial.key).key, trial.key);
+            }
         }
     }
 }

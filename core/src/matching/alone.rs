@@ -7,7 +7,7 @@
 )]
 
 use crate::answer::cell::{Cell, winner};
-use crate::lanes::add;
+use crate::lanes::{add, array, choose};
 use crate::matching::agreement::{Penalties, normalised};
 use crate::matching::tile::Tile;
 
@@ -41,7 +41,7 @@ impl<const ROWS: usize> Alone<ROWS> {
         let labels = found.labels;
         let beside = penalties.steps(labels).both();
         let mut last = Price { label: u32::MAX, price: 0 };
-        core::array::from_fn(|row| {
+        array(|row| {
             let [first, second] = found.costs[row];
             let a = last.decide(penalties, labels, beside, first, [self.left[row], above[0]]);
             let b = last.decide(penalties, labels, beside, second, [a.label.into(), above[1]]);
@@ -52,7 +52,7 @@ impl<const ROWS: usize> Alone<ROWS> {
     }
 }
 
-/// What the labels of a tile paid last: mostly the next cell asks the same.
+/// What the labels of a tile paid last: mostly the next cell asks the same. That is worth a branch to Cortex-M only.
 struct Price {
     /// For not being this label.
     label: u32,
@@ -69,6 +69,9 @@ impl Price {
 
     #[inline(always)]
     fn of(&mut self, penalties: Penalties, labels: u32, other: u32) -> u32 {
+        if cfg!(not(haarline_dsp)) {
+            return choose(other > 255, 0, penalties.of(labels, other));
+        }
         if other != self.label {
             let price = if other > 255 { 0 } else { penalties.of(labels, other) };
             *self = Self { label: other, price };

@@ -9,7 +9,9 @@
 
 use crate::answer::cell::{HALF, MOST_MARGIN};
 use crate::answer::cell_row::TileCells;
-use crate::lanes::{quotient, saturated_halves, select_ge_halves, splat_half, sub_halves, sub_saturating_halves};
+use crate::lanes::{
+    array, quotient, saturated_halves, select_ge_halves, splat_half, sub_halves, sub_saturating_halves,
+};
 use crate::matching::agreement::Penalties;
 
 /// A tile of three labels, of so many rows of cells.
@@ -25,7 +27,7 @@ impl<const ROWS: usize> SettledTile<ROWS> {
     /// Decides the cells, row by row; the labels of the right ones.
     #[inline(always)]
     pub(crate) fn decide(&self, penalties: Penalties, tile: usize, rows: &mut [TileCells<'_>; ROWS]) -> [u32; ROWS] {
-        core::array::from_fn(|y| self.decide_row(penalties, tile, y, &mut rows[y]))
+        array(|y| self.decide_row(penalties, tile, y, &mut rows[y]))
     }
 
     #[inline(always)]

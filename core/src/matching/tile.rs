@@ -12,7 +12,7 @@ use crate::Config;
 use crate::front_end::camera_view::Row;
 use crate::lanes::rows::tile_sads_around;
 use crate::lanes::trials::{Trial, Trials};
-use crate::lanes::{saturated_halves, splat_half};
+use crate::lanes::{choose, saturated_halves, splat_half};
 use crate::matching::settled::SettledTile;
 
 /// By how much the sum of a tile must be less than those a step beside it.
@@ -276,7 +276,20 @@ impl<C: CellCost, const WORDS: usize> Search<'_, C, WORDS> {
         self.trials.at(place).key
     }
 
+    /// Makes a trial the best if it is, without a branch: which it is nobody could foresee.
+    #[cfg(not(haarline_dsp))]
+    #[inline(always)]
+    fn consider(&mut self, key: u32) {
+        let settings = &self.row.settings;
+        let label = Trial::label_of(key);
+        let sum = Trial::sum_of(key) + settings.lean(self.left, label) + settings.lean(self.above, label);
+        let is_better = sum < self.least;
+        self.least = choose(is_better, sum, self.least);
+        self.best = choose(is_better, key, self.best);
+    }
+
     /// Makes a trial the best if it is.
+    #[cfg(haarline_dsp)]
     #[inline(always)]
     fn consider(&mut self, key: u32) {
         let settings = &self.row.settings;
@@ -456,6 +469,10 @@ impl<C> TileSettings<C> {
     /// What a label pays for not being that of a neighbour; nothing if there is none.
     #[inline(always)]
     fn lean(&self, to: u32, label: u32) -> u32 {
+        if cfg!(not(haarline_dsp)) {
+            let distance = to.abs_diff(label);
+            return choose(distance == 0, 0, choose(distance == 1, self.near, self.far));
+        }
         match to.abs_diff(label) {
             0 => 0,
             1 => self.near,

@@ -7,6 +7,7 @@ pub(crate) mod evidence;
 pub(crate) mod quad;
 pub(crate) mod rows;
 pub(crate) mod smoothing;
+pub(crate) mod tile;
 
 use quad::Quad;
 pub(super) use rows::{gradient_across_fours, gradient_down_fours};

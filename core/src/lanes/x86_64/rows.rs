@@ -66,24 +66,16 @@ pub(crate) unsafe fn gradient_down_fours(
     }
 }
 
-/// [`tile_sad`](super::rows::tile_sad).
-///
-/// # Safety
-/// The rows must have two words from word `left` and eight bytes from byte `right` on.
+/// [`fill`](super::rows::fill) of as many fours of words as there are pixels; the first word that is left.
 #[inline(always)]
-pub(crate) unsafe fn tile_sad<const BLOCKS: usize>(
-    left_rows: &[[u32; BLOCKS]; 4],
-    left: usize,
-    right_rows: &[[u32; BLOCKS]; 4],
-    right: usize,
-) -> [u32; 4] {
-    // SAFETY: as the caller promises.
-    let two = |row: &[u32], byte: usize| unsafe { Quad::load_two(row, byte) };
-    // A cell of two rows is half of a quad.
-    let cells = |rows: &[[u32; BLOCKS]; 4], y: usize, byte: usize| two(&rows[y], byte).in_turn(two(&rows[y + 1], byte));
-    let sums = |y: usize| cells(left_rows, y, 4 * left).sad(cells(right_rows, y, right)).words();
-    let ([a, _, b, _], [c, _, d, _]) = (sums(0), sums(2));
-    [a, b, c, d]
+pub(crate) fn fill_fours(row: &mut [u32], pixels: &[u8], doublings: u32) -> usize {
+    let mut done = 0;
+    for (to, pixels) in row.as_chunks_mut::<4>().0.iter_mut().zip(pixels.as_chunks::<16>().0) {
+        let doubled = (0..doublings).fold(Quad::read(pixels), |pixels, _| pixels.add(pixels));
+        *to = doubled.xor(Quad::splat(FLIP)).words();
+        done += 4;
+    }
+    done
 }
 
 /// Sum of absolute differences of four words.
