@@ -38,16 +38,33 @@ impl Repetition {
             count += 1;
             for (other, others) in rest.clone().take(NEXT) {
                 let distance = other - column;
+                #[cfg(haarline_dsp)]
                 if distance > MOST {
                     break;
                 }
-                let is_like = 2 * strength <= 3 * others && 2 * others <= 3 * strength;
-                if is_like && let Some(pairs) = self.pairs.get_mut((distance + 1).wrapping_sub(LEAST) as usize) {
-                    *pairs = pairs.saturating_add(WEIGHT);
-                }
+                self.count(distance, strength, others);
             }
         }
-        // A distance that is no whole number is shared by two.
+        let (most, at) = self.most_common();
+        self.distance = at;
+        self.is_strong = most * 100 >= STRONG_PERCENT * 2 * u32::from(WEIGHT) * count.max(1);
+    }
+}
+
+#[cfg(haarline_dsp)]
+impl Repetition {
+    /// Counts a pair of contours, if they are alike.
+    #[inline(always)]
+    fn count(&mut self, distance: u32, strength: u32, others: u32) {
+        let is_like = 2 * strength <= 3 * others && 2 * others <= 3 * strength;
+        if is_like && let Some(pairs) = self.pairs.get_mut((distance + 1).wrapping_sub(LEAST) as usize) {
+            *pairs = pairs.saturating_add(WEIGHT);
+        }
+    }
+
+    /// How common the most common distance is, times 4, and which it is. One that is no whole number is shared by two.
+    #[inline(always)]
+    fn most_common(&self) -> (u32, u32) {
         let (mut most, mut at) = (0, LEAST);
         for (distance, around) in (LEAST..).zip(self.pairs.windows(3)) {
             let sum = u32::from(around[0]) + 2 * u32::from(around[1]) + u32::from(around[2]);
@@ -55,8 +72,32 @@ impl Repetition {
                 (most, at) = (sum, distance);
             }
         }
-        self.distance = at;
-        self.is_strong = most * 100 >= STRONG_PERCENT * 2 * u32::from(WEIGHT) * count.max(1);
+        (most, at)
+    }
+}
+
+/// The same without branches, which nobody could foresee.
+#[cfg(not(haarline_dsp))]
+impl Repetition {
+    #[inline(always)]
+    fn count(&mut self, distance: u32, strength: u32, others: u32) {
+        let last = self.pairs.len() - 1;
+        // Nothing is as far as the last one.
+        let place = ((distance + 1).wrapping_sub(LEAST) as usize).min(last);
+        let is_like = (2 * strength <= 3 * others) & (2 * others <= 3 * strength) & (place < last);
+        self.pairs[place] = self.pairs[place].saturating_add(WEIGHT * u16::from(is_like));
+    }
+
+    #[inline(always)]
+    fn most_common(&self) -> (u32, u32) {
+        // The first of equals is the greatest.
+        let mut best = 0;
+        for (i, around) in (0..).zip(self.pairs.windows(3)) {
+            let sum = i32::from(around[0]) + 2 * i32::from(around[1]) + i32::from(around[2]);
+            best = best.max(sum << 6 | (63 - i));
+        }
+        let best = best.cast_unsigned();
+        (best >> 6, LEAST + 63 - best % 64)
     }
 }
 
@@ -93,6 +134,35 @@ mod tests {
     fn what_differs_in_strength_or_lies_too_close_is_no_pair() {
         assert_eq!(observed(3, &[(10, 10), (20, 20), (30, 50), (35, 50)]), (LEAST, false));
         assert_eq!(observed(3, &[]), (LEAST, false));
+    }
+
+    #[test]
+    fn the_most_common_distance_is_that_of_all_pairs() {
+        for seed in 1..200_u32 {
+            let mut column = 0;
+            let contours: [(u32, u32); 30] = core::array::from_fn(|i| {
+                let number = (seed * 64 + i as u32).wrapping_mul(0x9e37_79b1);
+                column += 5 + (number >> 28) * (seed % 4);
+                (column, 4 + (number >> 16) % 12)
+            });
+            let mut pairs = [0; 64];
+            for (i, &(column, strength)) in contours.iter().enumerate() {
+                for &(other, others) in contours.iter().skip(i + 1).take(NEXT) {
+                    let is_like = 2 * strength <= 3 * others && 2 * others <= 3 * strength;
+                    if is_like && (LEAST - 1..=MOST).contains(&(other - column)) {
+                        pairs[(other - column) as usize] += 1;
+                    }
+                }
+            }
+            let sum = |distance: u32| {
+                let at = distance as usize;
+                pairs[at - 1] + 2 * pairs[at] + pairs[at + 1]
+            };
+            let most = (LEAST..=MOST).map(sum).max().unwrap();
+            let first = (LEAST..=MOST).find(|&distance| sum(distance) == most).unwrap();
+            let is_strong = most * 100 >= 2 * STRONG_PERCENT * 30;
+            assert_eq!(observed(1, &contours), (first, is_strong), "{seed}");
+        }
     }
 
     #[test]

@@ -12,7 +12,7 @@ use crate::lanes::partners::{Contour, Wanted, cheapest};
 #[cfg(haarline_sse2)]
 use crate::lanes::rows::haar_peaks_of_pairs;
 use crate::lanes::rows::haar_responses;
-use crate::lanes::{ONES, greatest, max, select_ge, signed_halved_sum};
+use crate::lanes::{ONES, choose, greatest, max, select_ge, signed_halved_sum};
 
 /// Marks a tile without a seed on that side.
 const NONE: u16 = u16::MAX;
@@ -85,6 +85,11 @@ impl<const WORDS: usize> TileSeeds<WORDS> {
             let from = |column: i32| (column.max(0) << 16).cast_unsigned();
             let column = contour.column() as i32;
             let (first, end) = (from(column - most + 1), from(column - least + 1));
+            // Mostly one or two, which nobody could foresee.
+            #[cfg(not(haarline_dsp))]
+            for _ in 0..2 {
+                start += usize::from(candidates.get(start).is_some_and(|c| c.place < first));
+            }
             while candidates.get(start).is_some_and(|c| c.place < first) {
                 start += 1;
             }
@@ -92,28 +97,16 @@ impl<const WORDS: usize> TileSeeds<WORDS> {
             let candidates = candidates.get_mut(start..).unwrap_or_default();
             let [best, second] = cheapest(&wanted, start as u32, right_rows, candidates);
             let (cost, other) = (best >> 8, second >> 8);
-            contour.partner = if best != u32::MAX && (second == u32::MAX || 5 * other > UNIQUENESS * cost) {
+            contour.partner = if cfg!(not(haarline_dsp)) {
+                let is_unique = (best != u32::MAX) & ((second == u32::MAX) | (5 * other > UNIQUENESS * cost));
+                choose(is_unique, best & 0xff, NOBODY)
+            } else if best != u32::MAX && (second == u32::MAX || 5 * other > UNIQUENESS * cost) {
                 best & 0xff
             } else {
                 NOBODY
             };
         }
-        // From right to left: of the tiles up to the next seed.
-        let nearest = &mut self.nearest[..tiles];
-        let (mut end, mut next) = (tiles, NONE);
-        for (i, contour) in contours.iter().enumerate().rev() {
-            let tile = contour.column() / 8;
-            if tile < end
-                && let Some(other) = candidates.get(contour.partner as usize)
-                && other.partner & 0xff == i as u32
-            {
-                let label = (contour.column() as i32 - other.column() as i32 - least) as u16;
-                fill(&mut nearest[tile..end], [label, next]);
-                nearest[tile] = [label; 2];
-                (end, next) = (tile, label);
-            }
-        }
-        fill(&mut nearest[..end], [NONE, next]);
+        spread(&mut self.nearest[..tiles], contours, candidates, least);
     }
 
     /// Column and strength of each contour of the left view that was found last, left to right.
@@ -132,6 +125,57 @@ impl<const WORDS: usize> TileSeeds<WORDS> {
     #[inline]
     pub(crate) fn nearest(&self, tile: usize) -> [u16; 2] {
         self.nearest[tile]
+    }
+}
+
+/// Gives each tile the nearest seeds on either side: the labels of contours that are each other's best.
+///
+/// - `least`: the least disparity.
+#[cfg(haarline_dsp)]
+#[inline(always)]
+fn spread(nearest: &mut [[u16; 2]], contours: &[Contour], candidates: &[Contour], least: i32) {
+    // From right to left: of the tiles up to the next seed.
+    let (mut end, mut next) = (nearest.len(), NONE);
+    for (i, contour) in contours.iter().enumerate().rev() {
+        let tile = contour.column() / 8;
+        if tile < end
+            && let Some(other) = candidates.get(contour.partner as usize)
+            && other.partner & 0xff == i as u32
+        {
+            let label = (contour.column() as i32 - other.column() as i32 - least) as u16;
+            fill(&mut nearest[tile..end], [label, next]);
+            nearest[tile] = [label; 2];
+            (end, next) = (tile, label);
+        }
+    }
+    fill(&mut nearest[..end], [NONE, next]);
+}
+
+/// The same without branches, which nobody could foresee: the seeds are put where they are, and taken along from there.
+#[cfg(not(haarline_dsp))]
+fn spread(nearest: &mut [[u16; 2]], contours: &[Contour], candidates: &[Contour], least: i32) {
+    fill(nearest, [NONE; 2]);
+    if let Some(last) = candidates.len().checked_sub(1) {
+        for (i, contour) in (0..).zip(contours) {
+            let (partner, tile) = (contour.partner as usize, contour.column() / 8);
+            let other = candidates[partner.min(last)];
+            let label = (contour.column() as i32 - other.column() as i32 - least) as u16;
+            if let Some(seed) = nearest.get_mut(tile) {
+                let is_mutual = (partner <= last) & (other.partner & 0xff == i);
+                seed[0] = choose(is_mutual, label, seed[0]);
+            }
+        }
+    }
+    let taken_along = |from: u16, seed: u16| choose(seed == NONE, from, seed);
+    let mut next = NONE;
+    for tile in nearest.iter_mut().rev() {
+        next = taken_along(next, tile[0]);
+        tile[1] = next;
+    }
+    let mut last = NONE;
+    for tile in nearest {
+        last = taken_along(last, tile[0]);
+        tile[0] = last;
     }
 }
 
@@ -165,11 +209,13 @@ fn find<const WORDS: usize, const FALLING: bool>(
 ) -> usize {
     let mut len = 0;
     let mut keep = |column: u32, strength: u32| {
-        if strength >= threshold
+        // But for Cortex-M it costs less to write one too many than to branch.
+        let is_strong = strength >= threshold;
+        if (is_strong || cfg!(not(haarline_dsp)))
             && let Some(contour) = contours.get_mut(len)
         {
             *contour = Contour { place: column << 16 | strength, partner: u32::MAX };
-            len += 1;
+            len += usize::from(is_strong);
         }
     };
     #[cfg(haarline_sse2)]
@@ -194,4 +240,45 @@ fn find<const WORDS: usize, const FALLING: bool>(
 /// The two rows in the middle of a tile.
 fn middle<const WORDS: usize>([_, middle @ .., _]: &[Row<WORDS>; 4]) -> &[Row<WORDS>; 2] {
     middle
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_tile_has_the_nearest_seeds() {
+        const TILES: usize = 20;
+        let mut seed = 1_u32;
+        let mut next = || {
+            seed = seed.wrapping_mul(0x9e37_79b1).wrapping_add(0x7f4a_7c15);
+            (seed ^ seed >> 15).wrapping_mul(0x85eb_ca6b) >> 4
+        };
+        for _ in 0..300 {
+            let right: [Contour; 16] = core::array::from_fn(|i| Contour {
+                place: (2 * i as u32) << 16,
+                partner: (next() << 8) | (next() % 12),
+            });
+            let left: [Contour; 12] = core::array::from_fn(|i| {
+                let column = 40 + 8 * i as u32 + next() % 8;
+                Contour { place: column << 16, partner: if next() % 2 == 0 { NOBODY } else { next() % 16 } }
+            });
+            let (left, right) = (&left[..next() as usize % 13], &right[..next() as usize % 17]);
+            let mut seeds = [NONE; TILES];
+            for (i, contour) in left.iter().enumerate() {
+                let other = right.get(contour.partner as usize).filter(|other| other.partner & 0xff == i as u32);
+                if let Some(other) = other {
+                    seeds[contour.column() / 8] = (contour.column() + 2 - other.column()) as u16;
+                }
+            }
+            let mut nearest = [[7; 2]; TILES];
+            spread(&mut nearest, left, right, -2);
+            for (tile, nearest) in nearest.iter().enumerate() {
+                let is_seed = |label: &&u16| **label != NONE;
+                let before = seeds[..=tile].iter().rev().find(is_seed);
+                let after = seeds[tile..].iter().find(is_seed);
+                assert_eq!(*nearest, [before, after].map(|label| label.copied().unwrap_or(NONE)));
+            }
+        }
+    }
 }
