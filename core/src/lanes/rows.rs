@@ -204,30 +204,28 @@ fn second_difference_of([a, b, c]: [u32; 3]) -> u32 {
     corners.abs_diff(2 * edges)
 }
 
-/// Haar responses of half-support 2 along a row of tiles: mean of two columns by two or four rows, less that of the two
-/// columns before; 0 where it falls (where it rises if `FALLING`). Two words a tile.
+/// Haar responses of half-support 2 along a row of tiles: mean of two columns by two rows, less that of the two columns
+/// before; 0 where it falls (where it rises if `falling`). Two words a tile.
 ///
 /// - `words`: of a row, margins included; `first`: the tile to begin with.
 #[inline(always)]
-pub(crate) fn haar_responses<const WORDS: usize, const ROWS: usize, const FALLING: bool>(
-    rows: [&[u32; WORDS]; ROWS],
+pub(crate) fn haar_responses<const WORDS: usize>(
+    rows: [&[u32; WORDS]; 2],
     words: usize,
+    falling: bool,
     first: usize,
     mut take: impl FnMut([u32; 2]),
 ) {
-    let mean = |words: [u32; ROWS]| match words[..] {
-        [a, b] => signed_halved_sum(a, b),
-        [a, b, c, d] => signed_halved_sum(signed_halved_sum(b, c), signed_halved_sum(a, d)),
-        _ => 0,
-    };
+    let mean = |[a, b]: [u32; 2]| signed_halved_sum(a, b);
+    let flip = response_flip(falling);
     let margin = mean(rows.map(|row| row[2 * first]));
     let mut column = mean(rows.map(|row| row[2 * first + 1]));
-    let mut before = pair_means(margin, column);
+    let mut before = pair_means(margin, column, flip);
     let mut word = |next: u32| {
-        let after = pair_means(column, next);
+        let after = pair_means(column, next, flip);
         let two_before = before >> 16 | after << 16;
         (column, before) = (next, after);
-        if FALLING { sub(two_before, after) } else { sub(after, two_before) }
+        sub(after, two_before)
     };
     // The words after the first one of a tile and after the second.
     let tiles = (words - 2) / 2;
@@ -245,10 +243,16 @@ pub(crate) fn haar_responses<const WORDS: usize, const ROWS: usize, const FALLIN
     }
 }
 
-/// Means of each column and the next, unsigned, of columns that are signed.
+/// What makes signed bytes unsigned, and turns falling ones to rising if so.
 #[inline(always)]
-fn pair_means(word: u32, next: u32) -> u32 {
-    signed_halved_sum(word, word >> 8 | next << 24) ^ FLIP
+pub(crate) const fn response_flip(falling: bool) -> u32 {
+    if falling { !FLIP } else { FLIP }
+}
+
+/// Means of each column and the next, of columns that are signed, flipped.
+#[inline(always)]
+fn pair_means(word: u32, next: u32, flip: u32) -> u32 {
+    signed_halved_sum(word, word >> 8 | next << 24) ^ flip
 }
 
 /// Sums of absolute differences of the four cells of a tile, 4 x 2 px each: left and right of the upper two rows, then of the

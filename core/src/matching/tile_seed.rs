@@ -60,11 +60,7 @@ impl<const WORDS: usize> TileSeeds<WORDS> {
             } else {
                 [rows[1], rows[2]]
             };
-            *len = if tile_row % 2 == 1 {
-                find::<WORDS, true>(rows, words, threshold, contours)
-            } else {
-                find::<WORDS, false>(rows, words, threshold, contours)
-            };
+            *len = find(rows, words, tile_row % 2 == 1, threshold, contours);
         }
     }
 
@@ -201,9 +197,10 @@ fn means_of_four<const WORDS: usize>([a, b, c, d]: [&Row<WORDS>; 4], words: usiz
 
 /// Takes the strongest response of each tile, if it reaches `threshold`; how many there are.
 #[inline(never)]
-fn find<const WORDS: usize, const FALLING: bool>(
+fn find<const WORDS: usize>(
     rows: [&Row<WORDS>; 2],
     words: usize,
+    falling: bool,
     threshold: u32,
     contours: &mut [Contour],
 ) -> usize {
@@ -219,11 +216,11 @@ fn find<const WORDS: usize, const FALLING: bool>(
         }
     };
     #[cfg(haarline_sse2)]
-    let done = haar_peaks_of_pairs::<WORDS, 2, FALLING>(rows, words, &mut keep);
+    let done = haar_peaks_of_pairs(rows, words, falling, &mut keep);
     #[cfg(not(haarline_sse2))]
     let done = 0;
     let mut column = 8 * done as u32;
-    haar_responses::<WORDS, 2, FALLING>(rows, words, done, |[a, b]| {
+    haar_responses(rows, words, falling, done, |[a, b]| {
         let most = greatest(max(a, b));
         let strength = most & 0xff;
         if strength >= threshold {

@@ -2,7 +2,7 @@
 #![expect(unsafe_code, reason = "sixteen bytes at byte offsets, without a check for each")]
 
 use super::quad::Quad;
-use crate::lanes::rows::{FLIP, Mean};
+use crate::lanes::rows::{FLIP, Mean, response_flip};
 
 /// Writes four words.
 #[inline(always)]
@@ -138,27 +138,26 @@ pub(crate) unsafe fn mean_across_fours(row: &[u32], mean: Mean, out: &mut [u32],
 /// The strongest of [`haar_responses`](super::rows::haar_responses) of as many pairs of tiles as there are: its column, the
 /// first of equals, and its strength. The first tile that is left.
 #[inline(always)]
-pub(crate) fn haar_peaks_of_pairs<const WORDS: usize, const ROWS: usize, const FALLING: bool>(
-    rows: [&[u32; WORDS]; ROWS],
+pub(crate) fn haar_peaks_of_pairs<const WORDS: usize>(
+    rows: [&[u32; WORDS]; 2],
     words: usize,
+    falling: bool,
     mut take: impl FnMut(u32, u32),
 ) -> usize {
     // The margins are read, too.
     let pairs = words.min(WORDS).saturating_sub(2) / 4;
+    let flip = Quad::splat(response_flip(falling));
     let mut column = 0;
     for pair in 0..pairs {
         let mean = |byte: usize| {
             // SAFETY: from two bytes before the words 1..=4 * pairs to one after them.
-            match rows.map(|row| unsafe { Quad::load(row, byte) })[..] {
-                [a, b] => a.signed_halved_sum(b),
-                [a, b, c, d] => b.signed_halved_sum(c).signed_halved_sum(a.signed_halved_sum(d)),
-                _ => Quad::splat(0),
-            }
+            let [a, b] = rows.map(|row| unsafe { Quad::load(row, byte) });
+            a.signed_halved_sum(b)
         };
-        let pair_means = |byte: usize| mean(byte).signed_halved_sum(mean(byte + 1)).xor(Quad::splat(FLIP));
+        let pair_means = |byte: usize| mean(byte).signed_halved_sum(mean(byte + 1)).xor(flip);
         let byte = 4 + 16 * pair;
         let (before, after) = (pair_means(byte - 2), pair_means(byte));
-        let responses = if FALLING { before.sub(after) } else { after.sub(before) };
+        let responses = after.sub(before);
         let most = responses.greatest_of_two_words();
         let mut places = responses.equal(most).top_bits();
         let [first, _, second, _] = most.words();
