@@ -18,15 +18,20 @@ pub(super) struct Block {
     /// The disparity that it and two before it in the chain of sure ones reach, 0 if it has no two; and that which it and one
     /// before it in the chain of measured ones reach. 1/16 px, lower and upper half.
     reached: u32,
+    /// Of the chain of sure ones that are of one surface: the farthest disparity, 1/16 px, and the weight. Lower and upper half.
+    surface: u32,
 }
 
 impl Block {
     /// No block.
-    pub(super) const NONE: Self = Self { bits: -(1 << 20), sure: 0, beside: 0, below: 0, reached: 0 };
+    pub(super) const NONE: Self = Self { bits: -(1 << 20), sure: 0, beside: 0, below: 0, reached: 0, surface: 0 };
     /// What two blocks reach may be so much more than what three do, 1/16 px: single ones are wrong by a little in noise.
     const MOST_ALONE: u32 = 2;
     /// The bytes of the chain of measured ones.
     const MEASURED: u32 = 0xff00_ff00;
+    /// Up to this share of the tolerance a chain is nearer than its farthest block and still of one surface: where a thing
+    /// stands before a wall, answers beside its outline lead from the one to the other by steps that agree.
+    const ONE_SURFACE: [u32; 2] = [3, 4];
 
     /// Hands a block over, after which it is none.
     #[inline(always)]
@@ -59,8 +64,9 @@ impl Block {
         let splat = splat_half(bits);
         let (least, span) = (bits.wrapping_sub(tolerance.into()), 2 * u32::from(tolerance));
         let counted = if own > 0 { u32::MAX } else { Self::MEASURED };
-        // The greatest of those that agree: of their chains, of what they reach, of their disparities.
-        let (mut chains, mut sure, mut measured) = (0, 0, 0);
+        let climb = u32::from(tolerance) * Self::ONE_SURFACE[0] / Self::ONE_SURFACE[1];
+        // The greatest of those that agree: of their chains, of what they reach, of their disparities, of their surfaces.
+        let (mut chains, mut sure, mut measured, mut surface) = (0, 0, 0, 0);
         for (before, before_chains) in
             [(left, left.beside), (above[0], above[0].below), (above[1], above[1].below), (above[2], above[2].below)]
         {
@@ -69,18 +75,24 @@ impl Block {
                 chains = max(chains, before_chains);
                 sure = select_ge_halves(before.sure, sure, before.sure, sure);
                 measured = measured.max(other);
+                if (before.surface & 0xffff) + climb >= bits {
+                    surface = before.surface.max(surface);
+                }
             }
         }
         let chains = add(chains & counted, u32::from(own) | 1 << 8);
         // What this block and those before it reach: sure ones, two and three; measured ones.
         let reached = select_ge_halves(sure, splat, splat, sure);
         let doubtful = measured.min(bits);
+        let farthest = if surface == 0 { bits } else { bits.min(surface & 0xffff) };
+        let weight = (surface >> 16) + u32::from(own);
         Self {
             bits: bits.cast_signed(),
             sure: if own > 0 { bits | reached << 16 } else { 0 },
             beside: chains,
             below: chains | 0xffff_0000 & counted,
             reached: reached >> 16 | doubtful << 16,
+            surface: if own > 0 { farthest | weight << 16 } else { 0 },
         }
     }
 
@@ -95,10 +107,16 @@ impl Block {
         }
     }
 
-    /// Whether sure blocks of so much weight agree, and not in one row only.
+    /// Whether sure blocks of so much weight agree, each with the next, and not in one row only.
     #[inline(always)]
-    pub(super) const fn is_believed(&self, weight: u32) -> bool {
+    pub(super) const fn is_chain(&self, weight: u32) -> bool {
         self.beside & 0x00ff_0000 != 0 && self.beside & 0xff >= weight
+    }
+
+    /// Whether those of them that are of this block's surface have so much weight.
+    #[inline(always)]
+    pub(super) const fn is_of_surface(&self, weight: u32) -> bool {
+        self.surface >> 16 >= weight
     }
 
     /// The disparity that may be there, 1/16 px, if so many measured blocks agree, and not in one row only; else 0.

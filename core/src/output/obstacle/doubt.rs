@@ -3,7 +3,8 @@
 //! A thing without texture, dark or saturated, has no sure answer but a few of its outline. What is sure in its sector is the
 //! wall behind it, above it or beside it, and to tell that would be to tell that the way is free up to there. Its doubtful
 //! answers are often wrong, but seldom as far as the wall: where enough of them adjoin, agree and are nearer, in enough rows
-//! for what is sure to be outweighed, nothing is told.
+//! for what is sure to be outweighed, nothing is told. Nor is it where sure ones lead from the wall to something nearer, of which
+//! too few agree: then they are means of the wall and of the thing's outline.
 
 /// Blocks side by side none of which is sure, and what may be there.
 #[derive(Debug, Clone, Copy)]
@@ -17,21 +18,30 @@ pub(super) struct Gap {
 /// In how many rows what is sure was seen in a sector, and in how many something doubtful, by its distance.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Weighing {
+    /// The nearest that sure blocks lead to without being of one surface, mm.
+    led_to_mm: u32,
     sure: u16,
     doubtful: [u8; Self::STEPS],
 }
 
 impl Weighing {
-    pub(super) const NONE: Self = Self { sure: 0, doubtful: [0; Self::STEPS] };
-    /// Steps of distance, four to each doubling from 2^7 mm on.
-    const STEPS: usize = 32;
-    const FIRST: u32 = 7;
+    pub(super) const NONE: Self = Self { led_to_mm: u32::MAX, sure: 0, doubtful: [0; Self::STEPS] };
+    /// Steps of distance, eight to each doubling from 2^8 mm on.
+    const STEPS: usize = 56;
+    const FIRST: u32 = 8;
+    /// By this part of its distance something must be nearer to be told from what is sure: half a step.
+    const NEARER: u32 = 16;
     /// Least rows of doubt. Three outweigh fewer than five sure ones.
     const LEAST_ROWS: u32 = 2;
 
     /// Another row in which something is sure.
     pub(super) fn add_sure(&mut self) {
         self.sure = self.sure.saturating_add(1);
+    }
+
+    /// Sure blocks lead to a distance of `mm`.
+    pub(super) fn lead_to(&mut self, mm: u32) {
+        self.led_to_mm = self.led_to_mm.min(mm);
     }
 
     /// Another row in which something may be at a distance of `mm`.
@@ -41,9 +51,13 @@ impl Weighing {
         }
     }
 
-    /// Whether it is in doubt that nothing is nearer than `mm`, by a quarter at least.
+    /// Whether it is in doubt that nothing is nearer than `mm`.
     pub(super) fn is_in_doubt(&self, mm: u32) -> bool {
-        let nearer = self.doubtful.iter().take(Self::step(mm - mm / 5));
+        let nearer_mm = mm - mm / Self::NEARER;
+        if self.led_to_mm < nearer_mm {
+            return true;
+        }
+        let nearer = self.doubtful.iter().take(Self::step(nearer_mm));
         let rows = nearer.map(|&rows| u32::from(rows)).sum::<u32>();
         rows >= Self::LEAST_ROWS && 5 * rows > 3 * u32::from(self.sure)
     }
@@ -51,7 +65,7 @@ impl Weighing {
     fn step(mm: u32) -> usize {
         let mm = mm.max(1 << Self::FIRST);
         let octave = mm.ilog2();
-        let quarter = mm >> (octave - 2) & 3;
-        ((octave - Self::FIRST) * 4 + quarter) as usize
+        let eighth = mm >> (octave - 3) & 7;
+        ((octave - Self::FIRST) * 8 + eighth) as usize
     }
 }

@@ -118,7 +118,8 @@ impl<const N: usize> Sectors<N> {
 /// What it takes to be believed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Settings {
-    /// Blocks in a chain that adjoin and agree, from two block rows at least. Those whose surface is sure, but not where it
+    /// Blocks in a chain that adjoin and agree, from two block rows at least; half of them, rounded up, must be of one
+    /// surface: no more than 3/4 of the tolerance nearer than the farthest of these. Those whose surface is sure, but not where it
     /// ends ([`Settings::FRINGE`]), count by a half.
     pub agreeing_blocks: u8,
     /// Difference of disparity up to which two blocks agree, 1/16 px.
@@ -128,7 +129,7 @@ pub struct Settings {
     pub doubt: u8,
     /// Least confidence of a block.
     pub min_confidence: u8,
-    /// So many blocks in a chain of measured answers, sure or not, may be something. Where that is nearer by a quarter than
+    /// So many blocks in a chain of measured answers, sure or not, may be something. Where that is nearer by a sixteenth than
     /// what is sure, in two rows of blocks and in more than three for each five in which something is sure, the sector is
     /// unknown, and so are those of the blocks beside it that are not sure: so that a dark or blank thing is not told as far
     /// as the wall behind it. 0: never.
@@ -149,13 +150,13 @@ impl Settings {
     /// From this confidence on an answer is measured; less is a guess.
     const MEASURED: u8 = 16;
 
-    /// Five sure blocks within 1 px, half a pixel of doubt; five doubtful ones.
+    /// Five sure blocks within 1 px, half a pixel of doubt; four doubtful ones.
     pub const DEFAULT: Self = Self {
         agreeing_blocks: 5,
         tolerance: 16,
         doubt: 8,
         min_confidence: Self::SURE,
-        doubtful_blocks: 5,
+        doubtful_blocks: 4,
         free_beyond_mm: 0,
     };
 }
@@ -379,12 +380,14 @@ impl<const SECTORS: usize, const BLOCKS: usize> Obstacles<SECTORS, BLOCKS> {
     #[inline(never)]
     fn report(&mut self, lane: &Lane, row: &DisparityRow<'_>, count: usize) {
         let Settings { agreeing_blocks, min_confidence, doubtful_blocks, .. } = self.settings;
-        let least_weight = agreeing_blocks.max(2).saturating_mul(Settings::SURE_WEIGHT).into();
+        let agreeing_blocks = u32::from(agreeing_blocks.max(2));
+        let [least_weight, least_of_surface] = [agreeing_blocks, agreeing_blocks.div_ceil(2)]
+            .map(|blocks| (blocks * u32::from(Settings::SURE_WEIGHT)).min(255));
         let mut directions = Directions::new(lane, &self.sectors);
         // Of blocks that were passed already.
         let mut passed = directions.clone();
         let (mut gap, mut doubtful) = (Gap { first: 0, bits: 0 }, [0; SECTORS]);
-        let mut report = Report { sector: None, bits: 0 };
+        let mut report = Report::of(None);
         // No chain is so long.
         let doubtful_blocks = if doubtful_blocks == 0 { u32::MAX } else { doubtful_blocks.into() };
         let confidences = row.confidence.as_chunks::<SIZE>().0;
@@ -399,14 +402,16 @@ impl<const SECTORS: usize, const BLOCKS: usize> Obstacles<SECTORS, BLOCKS> {
                 }
                 continue;
             }
-            let is_believed = block.is_believed(least_weight);
-            if is_believed {
+            let is_of_surface = block.is_of_surface(least_of_surface);
+            let is_chain = block.is_chain(least_weight);
+            if is_chain {
                 let sector = directions.sector_of(SIZE * index + Self::SAMPLE);
                 if sector != report.sector {
                     self.note(lane, report);
-                    report = Report { sector, bits: 0 };
+                    report = Report::of(sector);
                 }
-                report.bits = report.bits.max(block.told(is_sure));
+                let bits = if is_of_surface { &mut report.believed } else { &mut report.led_to };
+                *bits = (*bits).max(block.told(is_sure));
             }
             let bits = block.doubtful(doubtful_blocks);
             if !is_sure {
@@ -416,7 +421,7 @@ impl<const SECTORS: usize, const BLOCKS: usize> Obstacles<SECTORS, BLOCKS> {
                     self.doubt(&mut passed, gap, index, &mut doubtful);
                 }
                 gap = Gap { first: index + 1, bits: 0 };
-                if bits > 0 && !is_believed {
+                if bits > 0 && !(is_chain && is_of_surface) {
                     self.doubt(&mut passed, Gap { first: index, bits }, index + 1, &mut doubtful);
                 }
             }
@@ -445,7 +450,7 @@ impl<const SECTORS: usize, const BLOCKS: usize> Obstacles<SECTORS, BLOCKS> {
     }
 
     #[inline(never)]
-    fn note(&mut self, lane: &Lane, Report { sector, bits }: Report) {
+    fn note(&mut self, lane: &Lane, Report { sector, believed, led_to }: Report) {
         let Some(sector) = sector else { return };
         let secant = self.sectors.secant_q14.get(sector);
         let (Some(&secant), Some(nearest), Some(weighing)) =
@@ -453,16 +458,30 @@ impl<const SECTORS: usize, const BLOCKS: usize> Obstacles<SECTORS, BLOCKS> {
         else {
             return;
         };
-        *nearest = (*nearest).min(lane.range_mm(bits, secant));
-        weighing.add_sure();
+        if believed > 0 {
+            *nearest = (*nearest).min(lane.range_mm(believed, secant));
+            weighing.add_sure();
+        }
+        if led_to > believed {
+            weighing.lead_to(lane.range_mm(led_to, secant));
+        }
     }
 }
 
-/// The greatest disparity believed in a sector of a row, 1/16 px.
+/// What chains of blocks end at in a sector of a row: greatest disparities, 1/16 px, 0 for none.
 #[derive(Debug, Clone, Copy)]
 struct Report {
     sector: Option<usize>,
-    bits: u32,
+    /// Of one surface.
+    believed: u32,
+    /// Of more than one.
+    led_to: u32,
+}
+
+impl Report {
+    const fn of(sector: Option<usize>) -> Self {
+        Self { sector, believed: 0, led_to: 0 }
+    }
 }
 
 #[cfg(test)]
