@@ -72,7 +72,8 @@ impl<const BLOCKS: usize> Trials<BLOCKS> {
     pub(crate) fn start(&mut self, tile: usize, origin: usize, lowest: u32, highest: u32) {
         let (least, most) = (lowest as usize, highest as usize);
         assert!(
-            least <= most && most < 256 && most <= origin && origin - least + 8 <= 4 * BLOCKS && 2 * tile + 3 <= BLOCKS
+            least <= most && most < 256 && most <= origin && origin - least + 8 <= 4 * BLOCKS && 2 * tile + 3 <= BLOCKS,
+            "a tile's windows lie within its rows"
         );
         (self.len, self.tile, self.origin) = (0, tile, origin);
         (self.lowest, self.span) = (lowest, highest - lowest);

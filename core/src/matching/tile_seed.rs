@@ -7,7 +7,8 @@
 )]
 
 use crate::Config;
-use crate::front_end::camera_view::{CameraView, FeatureRows, Row};
+use crate::front_end::camera_pair::CameraPair;
+use crate::front_end::camera_view::{FeatureRows, Row};
 use crate::lanes::partners::{Contour, Wanted, cheapest};
 #[cfg(haarline_sse2)]
 use crate::lanes::rows::haar_peaks_of_pairs;
@@ -43,7 +44,7 @@ impl<const WORDS: usize> TileSeeds<WORDS> {
     /// - `strong_noise`: of four rows instead of the middle two.
     pub(crate) fn find_contours<F: FeatureRows<WORDS>>(
         &mut self,
-        views: [&CameraView<WORDS, F>; 2],
+        cameras: &CameraPair<WORDS, F>,
         tile_row: u32,
         words: usize,
         threshold: u32,
@@ -51,7 +52,8 @@ impl<const WORDS: usize> TileSeeds<WORDS> {
     ) {
         let first = i64::from(4 * tile_row);
         let (left, right) = self.contours.split_at_mut(WORDS / 2);
-        for ((view, contours), len) in views.into_iter().zip([left, right]).zip(&mut self.len) {
+        for ((view, contours), len) in [&cameras.left, &cameras.right].into_iter().zip([left, right]).zip(&mut self.len)
+        {
             let rows = [0, 1, 2, 3].map(|y| view.smooth(first + y));
             let means;
             let rows = if strong_noise {

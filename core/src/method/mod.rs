@@ -8,7 +8,6 @@ pub(crate) mod deciding;
 pub mod envelope;
 pub mod full;
 pub mod lite;
-mod missing_rows;
 pub mod parts;
 mod sparse;
 pub mod stereo;

@@ -2,13 +2,11 @@
 //! Its names are public and its module is not: nobody outside implements a method of points.
 
 use crate::answer::linkage::{Links, PointRows};
-use crate::front_end::camera_view::{CameraView, Row};
-use crate::front_end::exposure::{Exposure, Gain};
-use crate::front_end::noise::{Noise, NoiseHistogram, RawNoise};
-use crate::front_end::sampling::Sampling;
+use crate::front_end::camera_pair::CameraPair;
+use crate::front_end::camera_view::Row;
+use crate::front_end::noise::RawNoise;
 use crate::lanes::rows::Clips;
 use crate::method::capacity::check_capacity;
-use crate::method::missing_rows::MissingRows;
 use crate::stage::{Stage, StageClock, Untimed};
 use crate::{Config, ConfigError, Disparity, DisparityRow, RowError, ScanlinePair, StereoMethod};
 
@@ -38,7 +36,7 @@ pub struct SparseRows<'a, const ROWS: usize, const BLOCKS: usize> {
     pub(crate) clips: Clips,
     y: u32,
     newest: u32,
-    views: &'a [SparseView<ROWS, BLOCKS>; 2],
+    smooth: &'a [[Row<BLOCKS>; ROWS]; 2],
 }
 
 impl<'a, const ROWS: usize, const BLOCKS: usize> SparseRows<'a, ROWS, BLOCKS> {
@@ -46,21 +44,7 @@ impl<'a, const ROWS: usize, const BLOCKS: usize> SparseRows<'a, ROWS, BLOCKS> {
     /// image its first row goes on, below it its last.
     pub(crate) fn row(&self, view: usize, offset: i64) -> &'a Row<BLOCKS> {
         let y = (i64::from(self.y) + offset).clamp(0, self.newest.into());
-        &self.views[view].rows[usize::try_from(y).unwrap_or(0) % ROWS]
-    }
-}
-
-/// One view and its newest smoothed rows; the features of a pair of rows are made when they are due.
-#[derive(Debug, Clone)]
-struct SparseView<const ROWS: usize, const BLOCKS: usize> {
-    camera: CameraView<BLOCKS, [[[u32; BLOCKS]; 4]; 0]>,
-    rows: [Row<BLOCKS>; ROWS],
-    noise: NoiseHistogram,
-}
-
-impl<const ROWS: usize, const BLOCKS: usize> SparseView<ROWS, BLOCKS> {
-    const fn new() -> Self {
-        Self { camera: CameraView::new(), rows: [[0; BLOCKS]; ROWS], noise: NoiseHistogram::new() }
+        &self.smooth[view][usize::try_from(y).unwrap_or(0) % ROWS]
     }
 }
 
@@ -72,23 +56,20 @@ impl<const ROWS: usize, const BLOCKS: usize> SparseView<ROWS, BLOCKS> {
 pub struct Sparse<M, const ROWS: usize, const BLOCKS: usize, C = Untimed> {
     config: Config,
     method: M,
-    views: [SparseView<ROWS, BLOCKS>; 2],
-    exposure: Exposure,
-    noise: Noise,
-    /// Whether it is that of rows before they were interpolated.
-    has_raw_noise: bool,
+    /// The features of a pair of rows are made when they are due.
+    cameras: CameraPair<BLOCKS, [[[u32; BLOCKS]; 4]; 0]>,
+    /// The newest smoothed rows of the left view and of the right one.
+    smooth: [[Row<BLOCKS>; ROWS]; 2],
     points: PointRows<BLOCKS>,
     /// The pair of rows that goes out.
     disparity: [[Disparity; 4]; BLOCKS],
     confidence: [[u8; 4]; BLOCKS],
-    /// Rows of this frame pushed or missed, and smoothed so far.
-    rows: u32,
+    /// Rows of this frame smoothed so far.
     smoothed: u32,
     /// Pairs of rows measured and written, and rows delivered so far.
     measured: u32,
     written: u32,
     delivered: u32,
-    missing: MissingRows,
     clock: C,
 }
 
@@ -99,19 +80,15 @@ impl<M: Points<ROWS, BLOCKS>, const ROWS: usize, const BLOCKS: usize, C: StageCl
         Ok(Self {
             config,
             method,
-            views: [SparseView::new(), SparseView::new()],
-            exposure: Exposure::new(),
-            noise: Noise::default(),
-            has_raw_noise: false,
+            cameras: CameraPair::new(),
+            smooth: [[[0; BLOCKS]; ROWS]; 2],
             points: PointRows::new(),
             disparity: [[Disparity::UNKNOWN; 4]; BLOCKS],
             confidence: [[0; 4]; BLOCKS],
-            rows: 0,
             smoothed: 0,
             measured: 0,
             written: 0,
             delivered: 0,
-            missing: MissingRows::default(),
             clock,
         })
     }
@@ -126,10 +103,12 @@ impl<M: Points<ROWS, BLOCKS>, const ROWS: usize, const BLOCKS: usize, C: StageCl
     /// Goes as far as the newest row of both views allows.
     fn advance(&mut self, sink: &mut dyn FnMut(DisparityRow<'_>)) {
         let width = usize::from(self.config.width);
-        if self.views[0].camera.len() > SMOOTH_LAG {
-            for view in &mut self.views {
-                view.camera.smooth_row(self.noise.level, width);
-                view.rows[self.smoothed as usize % ROWS] = *view.camera.smooth(self.smoothed.into());
+        if self.cameras.left.len() > SMOOTH_LAG {
+            let level = self.cameras.noise().level;
+            let views = [&mut self.cameras.left, &mut self.cameras.right];
+            for (view, rows) in views.into_iter().zip(&mut self.smooth) {
+                view.smooth_row(level, width);
+                rows[self.smoothed as usize % ROWS] = *view.smooth(self.smoothed.into());
             }
             self.smoothed += 1;
             // One row measures a pair, the next one writes the pair before.
@@ -150,9 +129,9 @@ impl<M: Points<ROWS, BLOCKS>, const ROWS: usize, const BLOCKS: usize, C: StageCl
         let y = POINT_ROWS * self.measured;
         self.measured += 1;
         self.points.begin();
-        if (y..y + POINT_ROWS).any(|y| y < self.rows && !self.missing.has(y)) {
-            let (config, clips) = (&self.config, self.noise.level.clips());
-            let rows = SparseRows { config, clips, y, newest: self.smoothed - 1, views: &self.views };
+        if (y..y + POINT_ROWS).any(|y| y < self.cameras.rows() && !self.cameras.is_missing(y)) {
+            let (config, clips) = (&self.config, self.cameras.noise().level.clips());
+            let rows = SparseRows { config, clips, y, newest: self.smoothed - 1, smooth: &self.smooth };
             self.method.measure(&rows, &mut self.points, &self.clock);
         }
     }
@@ -160,35 +139,19 @@ impl<M: Points<ROWS, BLOCKS>, const ROWS: usize, const BLOCKS: usize, C: StageCl
     /// Delivers the next row, if it is written.
     fn deliver(&mut self, sink: &mut dyn FnMut(DisparityRow<'_>)) {
         let y = self.delivered;
-        if y >= self.rows || y / POINT_ROWS >= self.written {
+        if y >= self.cameras.rows() || y / POINT_ROWS >= self.written {
             return;
         }
         self.delivered += 1;
         let width = usize::from(self.config.width);
         self.clock.enter(Stage::Output);
-        if self.missing.has(y) {
+        if self.cameras.is_missing(y) {
             let (unknown, none) = ([[Disparity::UNKNOWN; 4]; BLOCKS], [[0; 4]; BLOCKS]);
             let (disparity, confidence) = (&unknown.as_flattened()[..width], &none.as_flattened()[..width]);
             return sink(DisparityRow { y, disparity, confidence });
         }
         let disparity = &self.disparity.as_flattened()[..width];
         sink(DisparityRow { y, disparity, confidence: &self.confidence.as_flattened()[..width] });
-    }
-
-    /// Takes the noise of some pixels of the row that came before the newest.
-    fn measure_noise(&mut self) {
-        let Some(sampling) = Sampling::of(self.rows).filter(|_| !self.has_raw_noise) else { return };
-        if self.rows >= 2 && !self.missing.has_any_of_three(self.rows) {
-            let y = i64::from(self.rows) - 1;
-            for view in &mut self.views {
-                let rows = [y - 1, y, y + 1].map(|y| view.camera.raw(y));
-                view.noise.sample(rows, sampling.first, sampling.stride, sampling.weight, self.config.width.into());
-            }
-        }
-        if self.rows < 16 || self.rows.is_multiple_of(8) {
-            let [left, right] = &self.views;
-            self.noise = Noise::of(&left.noise, &right.noise, Gain::default());
-        }
     }
 }
 
@@ -200,53 +163,34 @@ impl<M: Points<ROWS, BLOCKS>, const ROWS: usize, const BLOCKS: usize, C: StageCl
     }
 
     fn start(&mut self) {
-        for view in &mut self.views {
-            view.camera.clear();
-            view.noise.clear();
-        }
-        self.exposure = Exposure::new();
-        (self.noise, self.has_raw_noise) = (Noise::default(), false);
+        self.cameras.clear();
         self.points.clear();
-        (self.rows, self.smoothed, self.measured) = (0, 0, 0);
-        (self.written, self.delivered, self.missing) = (0, 0, MissingRows::default());
+        (self.smoothed, self.measured, self.written, self.delivered) = (0, 0, 0, 0);
     }
 
     fn push(&mut self, pair: ScanlinePair<'_>, sink: &mut dyn FnMut(DisparityRow<'_>)) -> Result<(), RowError> {
         pair.check(self.config.width)?;
         self.clock.enter(Stage::Features);
-        self.missing.set(self.rows, false);
-        if let Some(sampling) = Sampling::of(self.rows) {
-            self.exposure.sample(pair.left, sampling.first, sampling.stride);
-            self.exposure.sample(pair.right, sampling.first, sampling.stride);
-        }
-        let gain = self.exposure.gain();
-        let [left, right] = &mut self.views;
-        left.camera.push(pair.left, gain);
-        right.camera.push(pair.right, gain);
-        self.measure_noise();
-        self.rows += 1;
+        self.cameras.push(pair);
         self.advance(sink);
         Ok(())
     }
 
     fn take_noise(&mut self, noise: &RawNoise) {
-        self.has_raw_noise = true;
-        self.noise = noise.noise(self.exposure.gain());
+        self.cameras.take_noise(noise);
     }
 
     fn miss(&mut self, sink: &mut dyn FnMut(DisparityRow<'_>)) {
         self.clock.enter(Stage::Features);
-        self.views.iter_mut().for_each(|view| view.camera.push_again());
-        self.missing.set(self.rows, true);
-        self.rows += 1;
+        self.cameras.miss();
         self.advance(sink);
     }
 
     fn finish(&mut self, sink: &mut dyn FnMut(DisparityRow<'_>)) {
         // The last row stands in for those below the image.
-        while self.delivered < self.rows {
+        while self.delivered < self.cameras.rows() {
             self.clock.enter(Stage::Features);
-            self.views.iter_mut().for_each(|view| view.camera.push_again());
+            self.cameras.go_on();
             self.advance(sink);
         }
         self.start();

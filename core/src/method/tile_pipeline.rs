@@ -10,10 +10,9 @@ use crate::answer::answer_row::{AnswerRow, Sources};
 use crate::answer::cell_row::CellRow;
 use crate::answer::evidence::{Evidence, Floor, Worth};
 use crate::answer::repetition::Repetition;
-use crate::front_end::camera_view::{CameraView, FeatureRows, TILE_ROWS, words_for};
-use crate::front_end::exposure::{Exposure, Gain};
-use crate::front_end::noise::{Noise, NoiseHistogram, RawNoise, SmoothingLevel};
-use crate::front_end::sampling::Sampling;
+use crate::front_end::camera_pair::CameraPair;
+use crate::front_end::camera_view::{FeatureRows, TILE_ROWS, words_for};
+use crate::front_end::noise::{Noise, RawNoise, SmoothingLevel};
 use crate::lanes::answer_rows::WordAligned;
 use crate::lanes::rows::Clips;
 use crate::matching::agreement::Penalties;
@@ -22,7 +21,6 @@ use crate::matching::tile::{TileRow, TileSettings};
 use crate::matching::tile_seed::TileSeeds;
 use crate::method::capacity::check_capacity;
 use crate::method::deciding::{CellRows, Matching, MaybePaths};
-use crate::method::missing_rows::MissingRows;
 use crate::method::parts::{Parts, Seeds};
 use crate::output::frame_figures::{FrameFigures, FrameSums};
 use crate::stage::{Stage, StageClock, Untimed};
@@ -49,13 +47,7 @@ pub struct Tiled<M: Matching, const BLOCKS: usize, C = Untimed> {
     config: Config,
     #[cfg(feature = "ablation")]
     parts: Parts,
-    left: CameraView<BLOCKS, M::Features<BLOCKS>>,
-    right: CameraView<BLOCKS, M::Features<BLOCKS>>,
-    exposure: Exposure,
-    histograms: [NoiseHistogram; 2],
-    noise: Noise,
-    /// Whether the noise is that of rows before they were interpolated.
-    has_raw_noise: bool,
+    cameras: CameraPair<BLOCKS, M::Features<BLOCKS>>,
     seeds: TileSeeds<BLOCKS>,
     paths: M::Paths<BLOCKS>,
     cells: M::Cells<BLOCKS>,
@@ -67,12 +59,9 @@ pub struct Tiled<M: Matching, const BLOCKS: usize, C = Untimed> {
     /// Those of the last frame that ended.
     figures: Option<FrameFigures>,
     disparity: WordAligned<[[Disparity; 4]; BLOCKS]>,
-    /// Rows of this frame pushed or missed so far.
-    rows: u32,
     /// Cell rows answered, and rows delivered so far.
     answered: u32,
     delivered: u32,
-    missing: MissingRows,
     clock: C,
 }
 
@@ -118,12 +107,7 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> Tiled<M, BLOCKS, C> {
             config,
             #[cfg(feature = "ablation")]
             parts,
-            left: CameraView::new(),
-            right: CameraView::new(),
-            exposure: Exposure::new(),
-            histograms: [NoiseHistogram::new(), NoiseHistogram::new()],
-            noise: Noise::default(),
-            has_raw_noise: false,
+            cameras: CameraPair::new(),
             seeds: TileSeeds::new(),
             paths: M::Paths::EMPTY,
             cells: M::Cells::EMPTY,
@@ -134,10 +118,8 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> Tiled<M, BLOCKS, C> {
             sums: FrameSums::default(),
             figures: None,
             disparity: WordAligned([[Disparity::UNKNOWN; 4]; BLOCKS]),
-            rows: 0,
             answered: 0,
             delivered: 0,
-            missing: MissingRows::default(),
             clock,
         })
     }
@@ -151,19 +133,30 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> Tiled<M, BLOCKS, C> {
         Parts::ALL
     }
 
+    /// The noise of the rows so far; without smoothing as if there were none.
+    #[inline(always)]
+    fn noise(&self) -> Noise {
+        let mut noise = self.cameras.noise();
+        if !self.parts().smoothing {
+            noise.level = SmoothingLevel::Off;
+        }
+        noise
+    }
+
     fn settings(&self) -> Settings<M::Cost> {
         let extremum = self.parts().extremum;
-        let (cost, penalties) = M::costs(self.noise.level >= SmoothingLevel::Medium);
+        let level = self.noise().level;
+        let (cost, penalties) = M::costs(level >= SmoothingLevel::Medium);
         let contour = if M::AGREEMENT { 4 } else { 5 };
-        let (contour_threshold, near, far) = match self.noise.level {
+        let (contour_threshold, near, far) = match level {
             SmoothingLevel::Off | SmoothingLevel::Light => (2, 4, 24),
             SmoothingLevel::Medium => (contour, 6, 32),
             SmoothingLevel::Strong => (contour, 16, 96),
         };
         Settings {
-            clips: self.noise.level.clips(),
+            clips: level.clips(),
             contour_threshold,
-            strong_noise: self.noise.level == SmoothingLevel::Strong,
+            strong_noise: level == SmoothingLevel::Strong,
             tile: TileSettings { cost, near, far, extremum },
             penalties,
         }
@@ -178,21 +171,22 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> Tiled<M, BLOCKS, C> {
     fn advance(&mut self, sink: &mut dyn FnMut(DisparityRow<'_>)) {
         let width = usize::from(self.config.width);
         let settings = self.settings();
-        let newest = self.left.len() - 1;
+        let newest = self.cameras.left.len() - 1;
         if newest >= SMOOTH_LAG {
-            self.left.smooth_row(self.noise.level, width);
-            self.right.smooth_row(self.noise.level, width);
+            let level = self.noise().level;
+            self.cameras.left.smooth_row(level, width);
+            self.cameras.right.smooth_row(level, width);
         }
         if newest > SMOOTH_LAG {
             let Parts { reading, .. } = self.parts();
-            for view in [&mut self.left, &mut self.right] {
+            for view in [&mut self.cameras.left, &mut self.cameras.right] {
                 match reading {
                     Reading::Haar => view.feature_row(settings.clips, width),
                     Reading::Intensity => view.intensity_row(settings.clips, width),
                 }
             }
             // The work on a row of tiles is spread over four rows of the camera.
-            let done = self.left.features_len();
+            let done = self.cameras.left.features_len();
             let tile_row = (done / TILE_ROWS).wrapping_sub(1);
             let is_searched = done > TILE_ROWS;
             match done % TILE_ROWS {
@@ -214,7 +208,7 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> Tiled<M, BLOCKS, C> {
                         self.answer(tile_row);
                     }
                     let next = done / TILE_ROWS;
-                    if TILE_ROWS * next < self.rows {
+                    if TILE_ROWS * next < self.cameras.rows() {
                         self.find_contours(next, settings);
                     }
                 }
@@ -228,15 +222,14 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> Tiled<M, BLOCKS, C> {
     fn find_contours(&mut self, tile_row: u32, settings: Settings<M::Cost>) {
         self.clock.enter(Stage::Contours);
         let words = words_for(usize::from(self.config.width));
-        let views = [&self.left, &self.right];
-        self.seeds.find_contours(views, tile_row, words, settings.contour_threshold, settings.strong_noise);
+        let Settings { contour_threshold, strong_noise, .. } = settings;
+        self.seeds.find_contours(&self.cameras, tile_row, words, contour_threshold, strong_noise);
     }
 
     fn pair_contours(&mut self, tile_row: u32) {
         self.clock.enter(Stage::Seeds);
         let tiles = self.tiles();
-        let views = [self.left.tiles(tile_row), self.right.tiles(tile_row)];
-        self.seeds.pair(&self.config, views, tiles);
+        self.seeds.pair(&self.config, self.cameras.tiles(tile_row), tiles);
         self.repetition.observe(self.seeds.left_contours());
         let range = self.config.num_disparities;
         match self.parts().seeds {
@@ -261,8 +254,9 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> Tiled<M, BLOCKS, C> {
     #[inline(never)]
     fn search(&mut self, tile_row: u32, settings: Settings<M::Cost>) {
         self.clock.enter(Stage::Blocks);
-        let tiles = self.tiles();
-        let row = TileRow::new(&self.config, self.left.tiles(tile_row), self.right.tiles(tile_row), settings.tile);
+        let (tiles, level) = (self.tiles(), self.noise().level);
+        let [left, right] = self.cameras.tiles(tile_row);
+        let row = TileRow::new(&self.config, left, right, settings.tile);
         let Parts { agreement, extremum, .. } = self.parts();
         let seeds = |tile: usize| self.seeds.nearest(tile).map(u32::from);
         let penalties = settings.penalties;
@@ -278,7 +272,7 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> Tiled<M, BLOCKS, C> {
             let above = &above.label.as_chunks::<2>().0[..pairs(above)];
             let cells = cells.tiles(tiles);
             if M::SEARCH {
-                let settings = BlockSettings::of(self.noise.level, extremum);
+                let settings = BlockSettings::of(level, extremum);
                 BlockRow::new(&self.config, row.left, row.right, settings).decide(seeds, above, cells);
             } else {
                 row.decide_alone(penalties, seeds, above, [cells]);
@@ -338,7 +332,7 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> Tiled<M, BLOCKS, C> {
 
     /// Rows of tiles of the rows so far.
     const fn tile_rows(&self) -> u32 {
-        self.rows.div_ceil(TILE_ROWS)
+        self.cameras.rows().div_ceil(TILE_ROWS)
     }
 
     /// The last cell row that is final once this row of tiles is decided.
@@ -358,7 +352,7 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> Tiled<M, BLOCKS, C> {
             return;
         }
         self.clock.enter(Stage::Consistency);
-        let floor = Floor::of(self.noise, self.settings().clips.zero(), M::AGREEMENT);
+        let floor = Floor::of(self.noise(), self.settings().clips.zero(), M::AGREEMENT);
         let cells = usize::from(self.config.width).div_ceil(4);
         let is_judged = self.evidence.len() > last;
         while self.evidence.len() <= last.min(self.tile_rows() - 1) {
@@ -367,7 +361,7 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> Tiled<M, BLOCKS, C> {
         if !is_judged && self.parts().texture {
             self.evidence.judge(number, cells, floor, &mut self.worth);
         }
-        let [left, right] = features_of::<M, _, _>([&self.left, &self.right], row);
+        let [left, right] = features_of::<M, _, _>(&self.cameras, row);
         let sources = Sources {
             rows: [row.saturating_sub(1), row, row + 1].map(|row| self.cells.row(row)),
             left,
@@ -389,7 +383,7 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> Tiled<M, BLOCKS, C> {
     /// Measures the evidence of the first cell row of a row of tiles, which is final.
     fn measure_evidence(&mut self, tile_row: u32, floor: Floor) {
         let row = M::ROWS * tile_row;
-        let rows = features_of::<M, _, _>([&self.left, &self.right], row);
+        let rows = features_of::<M, _, _>(&self.cameras, row);
         let labels = &self.cells.row(row).label[..usize::from(self.config.width).div_ceil(4)];
         self.evidence.measure(&self.config, rows, labels, floor, &self.repetition);
         if FrameSums::is_sampled(tile_row) {
@@ -400,13 +394,13 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> Tiled<M, BLOCKS, C> {
     /// Delivers the next row, if it is answered.
     fn deliver(&mut self, sink: &mut dyn FnMut(DisparityRow<'_>)) {
         let y = self.delivered;
-        if y >= self.rows || y / Self::CELL_HEIGHT >= self.answered {
+        if y >= self.cameras.rows() || y / Self::CELL_HEIGHT >= self.answered {
             return;
         }
         self.clock.enter(Stage::Consistency);
         self.delivered += 1;
         let width = usize::from(self.config.width);
-        if self.missing.has(y) {
+        if self.cameras.is_missing(y) {
             let (unknown, none) = ([[Disparity::UNKNOWN; 4]; BLOCKS], [[0; 4]; BLOCKS]);
             let (disparity, confidence) = (&unknown.as_flattened()[..width], &none.as_flattened()[..width]);
             self.clock.enter(Stage::Output);
@@ -425,37 +419,6 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> Tiled<M, BLOCKS, C> {
         let disparity = &self.disparity.0.as_flattened()[..width];
         sink(DisparityRow { y, disparity, confidence: &self.answer.confidence.0.as_flattened()[..width] });
     }
-
-    /// Takes the exposure of some pixels of the row that comes.
-    fn measure_exposure(&mut self, pair: ScanlinePair<'_>) {
-        if let Some(sampling) = Sampling::of(self.rows) {
-            self.exposure.sample(pair.left, sampling.first, sampling.stride);
-            self.exposure.sample(pair.right, sampling.first, sampling.stride);
-        }
-    }
-
-    /// Takes the noise of some pixels of the row that came before the newest.
-    fn measure_noise(&mut self, width: usize) {
-        let Some(sampling) = Sampling::of(self.rows).filter(|_| !self.has_raw_noise) else { return };
-        if self.rows >= 2 && !self.missing.has_any_of_three(self.rows) {
-            let y = i64::from(self.rows) - 1;
-            for (view, histogram) in [&self.left, &self.right].into_iter().zip(&mut self.histograms) {
-                let rows = [y - 1, y, y + 1].map(|y| view.raw(y));
-                histogram.sample(rows, sampling.first, sampling.stride, sampling.weight, width);
-            }
-        }
-        if self.rows < 16 || self.rows.is_multiple_of(8) {
-            let [left, right] = &self.histograms;
-            self.set_noise(Noise::of(left, right, Gain::default()));
-        }
-    }
-
-    fn set_noise(&mut self, noise: Noise) {
-        self.noise = noise;
-        if !self.parts().smoothing {
-            self.noise.level = SmoothingLevel::Off;
-        }
-    }
 }
 
 /// A well-mixed number for each number (the finaliser of MurmurHash3).
@@ -467,11 +430,11 @@ const fn scramble(number: u32) -> u32 {
 
 /// Two feature rows of a cell row in either view: of cells as high as a tile the lower two, which are overwritten last.
 fn features_of<M: Matching, const WORDS: usize, F: FeatureRows<WORDS>>(
-    views: [&CameraView<WORDS, F>; 2],
+    cameras: &CameraPair<WORDS, F>,
     row: u32,
 ) -> [&[[u32; WORDS]; 2]; 2] {
     let half = if M::ROWS == 1 { 1 } else { row as usize % 2 };
-    views.map(|view| &view.tiles(row / M::ROWS).as_chunks().0[half])
+    cameras.tiles(row / M::ROWS).map(|rows| &rows.as_chunks().0[half])
 }
 
 /// Where the cell row above a row of tiles is, and its own: `N` in all.
@@ -486,66 +449,51 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> StereoMethod for Tiled<M, 
     }
 
     fn start(&mut self) {
-        self.left.clear();
-        self.right.clear();
-        self.exposure = Exposure::new();
-        self.histograms = [NoiseHistogram::new(), NoiseHistogram::new()];
-        (self.noise, self.has_raw_noise) = (Noise::default(), false);
+        self.cameras.clear();
         self.sums = FrameSums::default();
         self.repetition = Repetition::NONE;
         self.evidence.clear();
-        (self.rows, self.answered, self.delivered, self.missing) = (0, 0, 0, MissingRows::default());
+        (self.answered, self.delivered) = (0, 0);
     }
 
     fn push(&mut self, pair: ScanlinePair<'_>, sink: &mut dyn FnMut(DisparityRow<'_>)) -> Result<(), RowError> {
         pair.check(self.config.width)?;
         self.clock.enter(Stage::Features);
-        self.missing.set(self.rows, false);
         self.sums.compare(pair);
-        self.measure_exposure(pair);
-        let gain = self.exposure.gain();
-        self.left.push(pair.left, gain);
-        self.right.push(pair.right, gain);
-        self.measure_noise(pair.left.len());
-        self.rows += 1;
+        self.cameras.push(pair);
         self.advance(sink);
         Ok(())
     }
 
     fn miss(&mut self, sink: &mut dyn FnMut(DisparityRow<'_>)) {
         self.clock.enter(Stage::Features);
-        self.left.push_again();
-        self.right.push_again();
-        self.missing.set(self.rows, true);
-        self.rows += 1;
+        self.cameras.miss();
         self.advance(sink);
     }
 
     fn finish(&mut self, sink: &mut dyn FnMut(DisparityRow<'_>)) {
-        if self.rows > 0 {
+        if self.cameras.rows() > 0 {
             // The last row stands in for those below the image, as far as filters and the last tiles ask for them.
             let needed = TILE_ROWS * self.tile_rows() + if M::AGREEMENT { 3 } else { 2 };
-            while self.left.features_len() < needed {
+            while self.cameras.left.features_len() < needed {
                 self.clock.enter(Stage::Features);
-                self.left.push_again();
-                self.right.push_again();
+                self.cameras.go_on();
                 self.advance(sink);
             }
             self.end_cells();
-            while self.delivered < self.rows {
+            while self.delivered < self.cameras.rows() {
                 if self.delivered / Self::CELL_HEIGHT >= self.answered {
                     self.answer(self.tile_rows());
                 }
                 self.deliver(sink);
             }
         }
-        self.figures = self.sums.figures(self.exposure.is_dark());
+        self.figures = self.sums.figures(self.cameras.is_dark());
         self.start();
     }
 
     fn take_noise(&mut self, noise: &RawNoise) {
-        self.has_raw_noise = true;
-        self.set_noise(noise.noise(self.exposure.gain()));
+        self.cameras.take_noise(noise);
     }
 
     fn figures(&self) -> Option<FrameFigures> {
