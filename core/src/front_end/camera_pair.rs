@@ -22,19 +22,17 @@ pub(crate) struct CameraPair<const WORDS: usize, F> {
 }
 
 impl<const WORDS: usize, F: FeatureRows<WORDS>> CameraPair<WORDS, F> {
-    #[inline(always)]
-    pub(crate) fn new() -> Self {
-        Self {
-            left: CameraView::new(),
-            right: CameraView::new(),
-            exposure: Exposure::new(),
-            histograms: [NoiseHistogram::new(), NoiseHistogram::new()],
-            noise: Noise::default(),
-            has_raw_noise: false,
-            rows: 0,
-            missing: MissingRows::default(),
-        }
-    }
+    /// Of no rows. A constant, so that it is made where it stays.
+    pub(crate) const EMPTY: Self = Self {
+        left: CameraView::new(),
+        right: CameraView::new(),
+        exposure: Exposure::new(),
+        histograms: [NoiseHistogram::new(), NoiseHistogram::new()],
+        noise: Noise::NONE,
+        has_raw_noise: false,
+        rows: 0,
+        missing: MissingRows::NONE,
+    };
 
     /// Forgets the frame.
     #[inline(always)]
@@ -43,8 +41,8 @@ impl<const WORDS: usize, F: FeatureRows<WORDS>> CameraPair<WORDS, F> {
         self.right.clear();
         self.exposure = Exposure::new();
         self.histograms = [NoiseHistogram::new(), NoiseHistogram::new()];
-        (self.noise, self.has_raw_noise) = (Noise::default(), false);
-        (self.rows, self.missing) = (0, MissingRows::default());
+        (self.noise, self.has_raw_noise) = (Noise::NONE, false);
+        (self.rows, self.missing) = (0, MissingRows::NONE);
     }
 
     /// Rows of this frame pushed or missed so far.

@@ -8,6 +8,8 @@ const KEPT: u32 = 64;
 pub(crate) struct MissingRows(u64);
 
 impl MissingRows {
+    pub(crate) const NONE: Self = Self(0);
+
     /// Whether row `y` was missing.
     pub(crate) const fn has(self, y: u32) -> bool {
         self.0 >> (y % KEPT) & 1 == 1

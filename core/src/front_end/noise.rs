@@ -176,6 +176,8 @@ impl SmoothingLevel {
 }
 
 impl Noise {
+    pub(crate) const NONE: Self = Self { floor: 0, level: SmoothingLevel::Off };
+
     pub(crate) fn of(left: &NoiseHistogram, right: &NoiseHistogram, gain: Gain) -> Self {
         // The lower view decides: texture only ever adds to the estimate.
         let least = |percent| gain.apply(left.percentile(percent).min(right.percentile(percent)));

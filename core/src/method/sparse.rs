@@ -80,7 +80,7 @@ impl<M: Points<ROWS, BLOCKS>, const ROWS: usize, const BLOCKS: usize, C: StageCl
         Ok(Self {
             config,
             method,
-            cameras: CameraPair::new(),
+            cameras: CameraPair::EMPTY,
             smooth: [[[0; BLOCKS]; ROWS]; 2],
             points: PointRows::new(),
             disparity: [[Disparity::UNKNOWN; 4]; BLOCKS],

@@ -107,7 +107,7 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> Tiled<M, BLOCKS, C> {
             config,
             #[cfg(feature = "ablation")]
             parts,
-            cameras: CameraPair::new(),
+            cameras: CameraPair::EMPTY,
             seeds: TileSeeds::new(),
             paths: M::Paths::EMPTY,
             cells: M::Cells::EMPTY,
