@@ -19,13 +19,13 @@ pub(super) struct Gap {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Weighing {
     /// The nearest that sure blocks lead to without being of one surface, mm.
-    led_to_mm: u32,
+    led_to_mm: Option<u32>,
     sure: u16,
     doubtful: [u8; Self::STEPS],
 }
 
 impl Weighing {
-    pub(super) const NONE: Self = Self { led_to_mm: u32::MAX, sure: 0, doubtful: [0; Self::STEPS] };
+    pub(super) const NONE: Self = Self { led_to_mm: None, sure: 0, doubtful: [0; Self::STEPS] };
     /// Steps of distance, eight to each doubling from 2^8 mm on.
     const STEPS: usize = 56;
     const FIRST: u32 = 8;
@@ -41,7 +41,7 @@ impl Weighing {
 
     /// Sure blocks lead to a distance of `mm`.
     pub(super) fn lead_to(&mut self, mm: u32) {
-        self.led_to_mm = self.led_to_mm.min(mm);
+        self.led_to_mm = Some(self.led_to_mm.map_or(mm, |least| least.min(mm)));
     }
 
     /// Another row in which something may be at a distance of `mm`.
@@ -54,7 +54,7 @@ impl Weighing {
     /// Whether it is in doubt that nothing is nearer than `mm`.
     pub(super) fn is_in_doubt(&self, mm: u32) -> bool {
         let nearer_mm = mm - mm / Self::NEARER;
-        if self.led_to_mm < nearer_mm {
+        if self.led_to_mm.is_some_and(|mm| mm < nearer_mm) {
             return true;
         }
         let nearer = self.doubtful.iter().take(Self::step(nearer_mm));
