@@ -49,7 +49,7 @@ BOUNDS = {
     ("01", 1.0): Bound(95, 100, 14, 16),
     ("01", 1.5): Bound(85, 100, 17, 22),
     ("01", 2.5): Bound(90, 100, 24, 29),
-    ("13", 2.5): Bound(0, 15, 25, 40),
+    ("13", 2.5): Bound(0, 15, 30, 40),
 }
 # Other sectors that read much nearer than the obstacle, percent, at most.
 NEARER = 5
