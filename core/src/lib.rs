@@ -52,6 +52,8 @@ mod lanes;
 mod matching;
 mod method;
 mod output;
+#[cfg(test)]
+mod random;
 
 // Before them, once for a rig.
 pub mod align;

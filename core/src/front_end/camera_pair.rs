@@ -40,7 +40,7 @@ impl<const WORDS: usize, F: FeatureRows<WORDS>> CameraPair<WORDS, F> {
         self.left.clear();
         self.right.clear();
         self.exposure = Exposure::new();
-        self.histograms = [NoiseHistogram::new(), NoiseHistogram::new()];
+        self.histograms.iter_mut().for_each(NoiseHistogram::clear);
         (self.noise, self.has_raw_noise) = (Noise::NONE, false);
         (self.rows, self.missing) = (0, MissingRows::NONE);
     }
@@ -61,6 +61,7 @@ impl<const WORDS: usize, F: FeatureRows<WORDS>> CameraPair<WORDS, F> {
         [self.left.tiles(tile_row), self.right.tiles(tile_row)]
     }
 
+    /// The noise of the rows so far.
     pub(crate) const fn noise(&self) -> Noise {
         self.noise
     }

@@ -4,7 +4,7 @@
 const KEPT: u32 = 64;
 
 /// Which of the last 64 rows of a frame were missing.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy)]
 pub(crate) struct MissingRows(u64);
 
 impl MissingRows {
@@ -34,7 +34,7 @@ mod tests {
 
     #[test]
     fn a_row_is_remembered_until_its_place_is_needed() {
-        let mut missing = MissingRows::default();
+        let mut missing = MissingRows::NONE;
         missing.set(5, true);
         missing.set(6, false);
         assert!(missing.has(5) && !missing.has(6) && !missing.has(4));
@@ -44,9 +44,9 @@ mod tests {
 
     #[test]
     fn three_rows_are_whole_or_not() {
-        let mut missing = MissingRows::default();
+        let mut missing = MissingRows::NONE;
         missing.set(5, true);
         assert_eq!([4, 5, 6, 7, 8].map(|y| missing.has_any_of_three(y)), [false, true, true, true, false]);
-        assert!(!MissingRows::default().has_any_of_three(0), "rows above the image are not missing");
+        assert!(!MissingRows::NONE.has_any_of_three(0), "rows above the image are not missing");
     }
 }

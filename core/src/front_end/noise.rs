@@ -133,7 +133,7 @@ impl RawNoise {
 }
 
 /// What the front end and the texture test want to know of the noise.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Noise {
     /// 10th percentile of the less noisy view after the gain, 1/16 grey level.
     floor: u16,
@@ -142,10 +142,9 @@ pub(crate) struct Noise {
 }
 
 /// How strongly the views are smoothed before anything else looks at them.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum SmoothingLevel {
     /// As the camera sent it.
-    #[default]
     Off,
     /// `[1 2 1]` down and across.
     Light,
@@ -176,6 +175,7 @@ impl SmoothingLevel {
 }
 
 impl Noise {
+    /// None seen so far.
     pub(crate) const NONE: Self = Self { floor: 0, level: SmoothingLevel::Off };
 
     pub(crate) fn of(left: &NoiseHistogram, right: &NoiseHistogram, gain: Gain) -> Self {

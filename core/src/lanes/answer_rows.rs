@@ -185,8 +185,7 @@ mod tests {
     fn numbers(seed: &mut u32) -> [[u16; 2]; PAIRS] {
         [[0; 2]; PAIRS].map(|pair| {
             pair.map(|_: u16| {
-                *seed = seed.wrapping_mul(0x9e37_79b1).wrapping_add(0x7f4a_7c15);
-                let number = ((*seed ^ *seed >> 15).wrapping_mul(0x85eb_ca6b) >> 8) as u16;
+                let number = (crate::random::next(seed) >> 8) as u16;
                 // Many near each other, so that they are one surface.
                 if *seed >> 31 == 0 { 0x3000 + number % 500 } else { number }
             })

@@ -155,10 +155,7 @@ mod tests {
     #[test]
     fn the_cheapest_are_those_of_all() {
         let mut seed = 1_u32;
-        let mut next = || {
-            seed = seed.wrapping_mul(0x9e37_79b1).wrapping_add(0x7f4a_7c15);
-            (seed ^ seed >> 15).wrapping_mul(0x85eb_ca6b) >> 4
-        };
+        let mut next = || crate::random::next(&mut seed) >> 4;
         for number in 0..150 {
             let [left, right] = [0; 2].map(|_: u32| [0; 2].map(|_: u32| [0; 30].map(|_: u32| next() & 0x0707_0707)));
             let contour = |column: u32, strength: u32| Contour { place: column << 16 | strength, partner: u32::MAX };

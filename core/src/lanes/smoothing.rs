@@ -312,10 +312,7 @@ mod tests {
     #[cfg(haarline_sse2)]
     fn pairs_side_by_side_are_smoothed_as_one_by_one() {
         let mut seed = 1_u32;
-        let mut next = || {
-            seed = seed.wrapping_mul(0x9e37_79b1).wrapping_add(0x7f4a_7c15);
-            (seed ^ seed >> 15).wrapping_mul(0x85eb_ca6b)
-        };
+        let mut next = || crate::random::next(&mut seed);
         for pairs in (0..=32).cycle().take(600) {
             // Some of one surface, some extreme.
             let value = [0; 64].map(|_: u16| {

@@ -210,10 +210,7 @@ mod tests {
     #[test]
     fn each_label_is_tried_once() {
         let mut seed = 1_u32;
-        let mut next = || {
-            seed = seed.wrapping_mul(0x9e37_79b1).wrapping_add(0x7f4a_7c15);
-            (seed ^ seed >> 15).wrapping_mul(0x85eb_ca6b)
-        };
+        let mut next = || crate::random::next(&mut seed);
         let [left, right] = [0; 2].map(|_: u32| [0; 4].map(|_: u32| [0; BLOCKS].map(|_: u32| next())));
         let mut trials = Trials::<BLOCKS>::new();
         for tile in 0..18 {

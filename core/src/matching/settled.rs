@@ -113,10 +113,7 @@ mod tests {
     use super::*;
 
     fn tile(seed: &mut u32) -> SettledTile<2> {
-        let mut next = || {
-            *seed = seed.wrapping_mul(0x9e37_79b1).wrapping_add(0x7f4a_7c15);
-            (*seed ^ *seed >> 15).wrapping_mul(0x85eb_ca6b) >> 3
-        };
+        let mut next = || crate::random::next(seed) >> 3;
         let limit = [0x00ff_00ff, 0x0010_0010 + 0x000f_000f, 0x0003_0003][next() as usize % 3];
         let costs = [0; 3].map(|_: u32| [0; 2].map(|_: u32| next() & limit));
         SettledTile { label: 1 + next() % 254, costs }

@@ -249,10 +249,7 @@ mod tests {
     fn each_tile_has_the_nearest_seeds() {
         const TILES: usize = 20;
         let mut seed = 1_u32;
-        let mut next = || {
-            seed = seed.wrapping_mul(0x9e37_79b1).wrapping_add(0x7f4a_7c15);
-            (seed ^ seed >> 15).wrapping_mul(0x85eb_ca6b) >> 4
-        };
+        let mut next = || crate::random::next(&mut seed) >> 4;
         for _ in 0..300 {
             let right: [Contour; 16] = core::array::from_fn(|i| Contour {
                 place: (2 * i as u32) << 16,

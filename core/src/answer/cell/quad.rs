@@ -45,10 +45,7 @@ mod tests {
 
     /// Words with lanes of all kinds, many of them extreme.
     pub(crate) fn random(seed: &mut u32) -> u32 {
-        let mut next = || {
-            *seed = seed.wrapping_mul(0x9e37_79b1).wrapping_add(0x7f4a_7c15);
-            (*seed ^ *seed >> 15).wrapping_mul(0x85eb_ca6b) >> 3
-        };
+        let mut next = || crate::random::next(seed) >> 3;
         let (word, kind, lanes) = (next(), next() % 4, next());
         match kind {
             0 => word,

@@ -14,8 +14,7 @@ fn rows() -> impl Iterator<Item = [Row; 5]> {
     (0..60).map(move |kind| {
         [0; 5].map(|_: u32| {
             [0; WORDS].map(|_: u32| {
-                seed = seed.wrapping_mul(0x9e37_79b1).wrapping_add(0x7f4a_7c15);
-                let word = (seed ^ seed >> 15).wrapping_mul(0x85eb_ca6b);
+                let word = crate::random::next(&mut seed);
                 match kind % 3 {
                     0 => word ^ word >> 13,
                     1 => (word >> 7 & 0x0101_0101) * 0xff,

@@ -143,8 +143,7 @@ pub(crate) mod tests {
     }
 
     fn random(seed: &mut u32) -> u32 {
-        *seed = seed.wrapping_mul(0x9e37_79b1).wrapping_add(0x7f4a_7c15);
-        (*seed ^ *seed >> 15).wrapping_mul(0x85eb_ca6b) >> 3
+        crate::random::next(seed) >> 3
     }
 
     /// A settled tile, its costs small or great.

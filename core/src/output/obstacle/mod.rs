@@ -402,15 +402,15 @@ impl<const SECTORS: usize, const BLOCKS: usize> Obstacles<SECTORS, BLOCKS> {
                 }
                 continue;
             }
-            let is_of_surface = block.is_of_surface(least_of_surface);
             let is_chain = block.is_chain(least_weight);
+            let is_believed = is_chain && block.is_of_surface(least_of_surface);
             if is_chain {
                 let sector = directions.sector_of(SIZE * index + Self::SAMPLE);
                 if sector != report.sector {
                     self.note(lane, report);
                     report = Report::of(sector);
                 }
-                let bits = if is_of_surface { &mut report.believed } else { &mut report.led_to };
+                let bits = if is_believed { &mut report.believed } else { &mut report.led_to };
                 *bits = (*bits).max(block.told(is_sure));
             }
             let bits = block.doubtful(doubtful_blocks);
@@ -421,7 +421,7 @@ impl<const SECTORS: usize, const BLOCKS: usize> Obstacles<SECTORS, BLOCKS> {
                     self.doubt(&mut passed, gap, index, &mut doubtful);
                 }
                 gap = Gap { first: index + 1, bits: 0 };
-                if bits > 0 && !(is_chain && is_of_surface) {
+                if bits > 0 && !is_believed {
                     self.doubt(&mut passed, Gap { first: index, bits }, index + 1, &mut doubtful);
                 }
             }
