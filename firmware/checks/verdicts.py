@@ -13,6 +13,11 @@ def expect(what, found, wanted):
         raise Failure(f"{what}: {found!r} instead of {wanted!r}")
 
 
+def within(what, found, wanted, allowed):
+    if abs(found - wanted) > allowed:
+        raise Failure(f"{what}: {found!r} instead of {wanted!r}, at most {allowed!r} apart")
+
+
 def run_all(checks, threads=1):
     """Runs pairs of a name and a function that returns what it wants to tell; how many failed."""
 
