@@ -119,7 +119,7 @@ pub(crate) fn write_moved<const TIMES: i32>(
     {
         let pairs = pixels.len().min(slopes.len()).min(out.len());
         let out: *mut u32 = out.as_mut_ptr().cast();
-        assert!(out.is_aligned());
+        crate::lanes::demand(out.is_aligned());
         if pairs > 0 {
             // SAFETY: all have so many; the disparities are 16 bits each, of any value, and aligned.
             unsafe { super::write_moved_pairs::<TIMES>(pixels.as_ptr(), slopes.as_ptr(), least, out, pairs) };

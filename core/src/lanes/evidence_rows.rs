@@ -6,7 +6,7 @@
 )]
 #![expect(unsafe_code, reason = "words that begin at any byte, after one check a row")]
 
-use crate::lanes::{limited_to_byte, min, sad, sad_add};
+use crate::lanes::{demand, limited_to_byte, min, sad, sad_add};
 
 /// Sums over the cells of a row, a byte each, at most 255.
 #[repr(C)]
@@ -51,7 +51,7 @@ impl<const WORDS: usize> CellWindows<'_, WORDS> {
     #[inline(never)]
     pub(crate) fn sum(&self, sums: &mut CellSums<WORDS>, fit: &mut [u8; WORDS]) {
         let cells = self.labels.len();
-        assert!(cells >= 1 && cells + 2 <= WORDS);
+        demand(cells >= 1 && cells + 2 <= WORDS);
         let likes = self.likes();
         #[cfg(haarline_dsp)]
         let done = {
@@ -87,7 +87,7 @@ impl<const WORDS: usize> CellWindows<'_, WORDS> {
     /// If the rows have not two words more than there are cells.
     pub(crate) fn sum_fits(&self, fit: &mut [u8; WORDS]) {
         let cells = self.labels.len();
-        assert!(cells >= 1 && cells + 2 <= WORDS);
+        demand(cells >= 1 && cells + 2 <= WORDS);
         #[cfg(haarline_dsp)]
         let done = {
             let pairs = cells / 2;

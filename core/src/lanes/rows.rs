@@ -6,7 +6,7 @@
 #![allow(clippy::needless_range_loop, reason = "words of several rows at one number")]
 #![expect(unsafe_code, reason = "words at byte offsets that are no multiple of four, without a check for each")]
 
-use super::{add, sad_add, signed_add, signed_halved_sum, signed_sub, splat, sub, wrapping_add};
+use super::{add, demand, sad_add, signed_add, signed_halved_sum, signed_sub, splat, sub, wrapping_add};
 #[cfg(any(haarline_dsp, haarline_sse2))]
 use super::{gradient_across_fours, gradient_down_fours};
 
@@ -112,7 +112,7 @@ fn by_fours(words: usize, kernel: impl FnOnce(usize)) -> usize {
 #[inline(never)]
 pub(crate) fn gradient_across(rows: [&[u32]; 2], clips: Clips, out: &mut [u32]) {
     let [a, b] = rows;
-    assert!(a.len() == out.len() && b.len() == out.len());
+    demand(a.len() == out.len() && b.len() == out.len());
     // SAFETY: the rows have `4 * fours + 2` words and more.
     #[cfg(any(haarline_dsp, haarline_sse2))]
     let first = by_fours(out.len(), |fours| unsafe { gradient_across_fours(rows, clips.limits(), out, fours) });
@@ -131,7 +131,7 @@ pub(crate) fn gradient_across(rows: [&[u32]; 2], clips: Clips, out: &mut [u32]) 
 #[inline(never)]
 pub(crate) fn gradient_down(rows: [&[u32]; 2], clips: Clips, out: &mut [u32]) {
     let [above, below] = rows;
-    assert!(above.len() == out.len() && below.len() == out.len());
+    demand(above.len() == out.len() && below.len() == out.len());
     // SAFETY: the rows have `4 * fours + 2` words and more.
     #[cfg(any(haarline_dsp, haarline_sse2))]
     let first = by_fours(out.len(), |fours| unsafe { gradient_down_fours(rows, clips.limits(), out, fours) });
@@ -147,7 +147,7 @@ pub(crate) fn gradient_down(rows: [&[u32]; 2], clips: Clips, out: &mut [u32]) {
 /// Fills the words of a row after its first with pixels, doubled so often, saturating, and made signed.
 pub(crate) fn fill(row: &mut [u32], pixels: &[u8], doublings: u32) {
     let Some(row) = row.get_mut(1..) else { return };
-    assert!(pixels.len() <= 4 * row.len());
+    demand(pixels.len() <= 4 * row.len());
     #[cfg(haarline_sse2)]
     let done = super::x86_64::rows::fill_fours(row, pixels, doublings);
     #[cfg(not(any(haarline_dsp, haarline_sse2)))]
@@ -179,7 +179,7 @@ pub(crate) fn fill(row: &mut [u32], pixels: &[u8], doublings: u32) {
 /// `|[1 -2 1] x [1 -2 1]|` of the three columns from `byte` on of three rows of signed bytes; a fourth must follow.
 #[inline(always)]
 pub(crate) fn second_difference<const WORDS: usize>(rows: [&[u32; WORDS]; 3], byte: usize) -> u32 {
-    assert!(byte + 4 <= 4 * WORDS);
+    demand(byte + 4 <= 4 * WORDS);
     // SAFETY: checked above.
     second_difference_of(rows.map(|row| unsafe { word(row, byte) } ^ FLIP))
 }
@@ -187,7 +187,7 @@ pub(crate) fn second_difference<const WORDS: usize>(rows: [&[u32; WORDS]; 3], by
 /// The same of rows of pixels, columns `first` to `first + 2` of the four that there must be.
 #[inline(always)]
 pub(crate) fn second_difference_in(rows: [&[u8]; 3], first: usize) -> u32 {
-    assert!(rows.iter().all(|row| first + 4 <= row.len()));
+    demand(rows.iter().all(|row| first + 4 <= row.len()));
     // SAFETY: checked above.
     second_difference_of(
         rows.map(|row| u32::from_le_bytes(unsafe { row.as_ptr().add(first).cast::<[u8; 4]>().read() })),
@@ -266,7 +266,7 @@ pub(crate) fn tile_sad<const BLOCKS: usize>(
     right_rows: &[[u32; BLOCKS]; 4],
     right: usize,
 ) -> [u32; 4] {
-    assert!(left + 2 <= BLOCKS && right + 8 <= 4 * BLOCKS);
+    demand(left + 2 <= BLOCKS && right + 8 <= 4 * BLOCKS);
     #[cfg(haarline_dsp)]
     if BLOCKS <= super::MOST_TILE_SAD_WORDS {
         let (first, other) = (left_rows.as_flattened().as_ptr(), right_rows.as_flattened().as_ptr());
@@ -291,7 +291,7 @@ fn tile_sad_by_words<const BLOCKS: usize>(
     right_rows: &[[u32; BLOCKS]; 4],
     right: usize,
 ) -> [u32; 4] {
-    assert!(left + 2 <= BLOCKS && right + 8 <= 4 * BLOCKS);
+    demand(left + 2 <= BLOCKS && right + 8 <= 4 * BLOCKS);
     let mut sums = [0; 4];
     for (y, (a, b)) in left_rows.iter().zip(right_rows).enumerate() {
         // SAFETY: checked above.
@@ -313,7 +313,7 @@ pub(crate) fn tile_sads_around<const BLOCKS: usize>(
     right_rows: &[[u32; BLOCKS]; 4],
     right: usize,
 ) -> [[u32; 2]; 3] {
-    assert!(left + 2 <= BLOCKS && right + 10 <= 4 * BLOCKS);
+    demand(left + 2 <= BLOCKS && right + 10 <= 4 * BLOCKS);
     #[cfg(haarline_dsp)]
     if BLOCKS <= super::MOST_TILE_SAD_WORDS {
         let (first, other) = (left_rows.as_flattened().as_ptr(), right_rows.as_flattened().as_ptr());
@@ -335,7 +335,7 @@ pub(crate) fn tile_sads_around<const BLOCKS: usize>(
 pub(crate) fn window_sad(left_rows: [&[u32]; 2], left: usize, right_rows: [&[u32]; 2], right: usize) -> u32 {
     let mut sum = 0;
     for (a, b) in left_rows.into_iter().zip(right_rows) {
-        assert!(left + 4 <= 4 * a.len() && right + 4 <= 4 * b.len());
+        demand(left + 4 <= 4 * a.len() && right + 4 <= 4 * b.len());
         // SAFETY: checked above.
         sum = unsafe { sad_add(word(a, left), word(b, right), sum) };
     }
@@ -351,7 +351,7 @@ impl Window {
     /// The window at a byte of two rows.
     #[inline(always)]
     pub(crate) fn of<const WORDS: usize>(rows: &[[u32; WORDS]; 2], byte: usize) -> Self {
-        assert!(byte + 8 <= 4 * WORDS);
+        demand(byte + 8 <= 4 * WORDS);
         let [a, b] = rows;
         // SAFETY: checked above.
         unsafe { Self([word(a, byte), word(a, byte + 4), word(b, byte), word(b, byte + 4)]) }
@@ -360,7 +360,7 @@ impl Window {
     /// Sum of absolute differences to the window at a byte of two rows.
     #[inline(always)]
     pub(crate) fn sad<const WORDS: usize>(&self, rows: &[[u32; WORDS]; 2], byte: usize) -> u32 {
-        assert!(byte + 8 <= 4 * WORDS);
+        demand(byte + 8 <= 4 * WORDS);
         // SAFETY: checked above; the rows lie one behind the other.
         #[cfg(haarline_dsp)]
         return unsafe { super::window_sad_words::<WORDS>(&self.0, rows.as_ptr().cast::<u8>().add(byte)) };
@@ -428,7 +428,7 @@ pub(crate) enum Mean {
 #[inline(never)]
 pub(crate) fn mean_down(rows: [&[u32]; 5], mean: Mean, out: &mut [u32]) {
     let [a, b, c, d, e] = rows;
-    assert!([a, b, c, d, e].iter().all(|row| row.len() == out.len()));
+    demand([a, b, c, d, e].iter().all(|row| row.len() == out.len()));
     #[cfg(haarline_sse2)]
     let first = super::x86_64::rows::mean_down_fours(rows, mean, out);
     #[cfg(not(haarline_sse2))]
@@ -444,7 +444,7 @@ pub(crate) fn mean_down(rows: [&[u32]; 5], mean: Mean, out: &mut [u32]) {
 /// Means along a row, all words but the first and the last.
 #[inline(never)]
 pub(crate) fn mean_across(row: &[u32], mean: Mean, out: &mut [u32]) {
-    assert!(row.len() == out.len());
+    demand(row.len() == out.len());
     let last = out.len().saturating_sub(1);
     // SAFETY: the row has `4 * fours + 2` words and more.
     #[cfg(haarline_sse2)]

@@ -5,11 +5,11 @@
 )]
 #![allow(clippy::cast_possible_truncation, reason = "tiles are below 4096, places below 16")]
 
-use crate::lanes::choose;
 #[cfg(not(haarline_sse2))]
 use crate::lanes::rows::tile_sad;
 #[cfg(haarline_sse2)]
 use crate::lanes::x86_64::tile::TileQuads;
+use crate::lanes::{choose, demand};
 
 /// Most disparities that a tile tries: six hypotheses, and the steps of the extremum search. A power of two, so that a
 /// mask keeps places within it.
@@ -71,9 +71,8 @@ impl<const BLOCKS: usize> Trials<BLOCKS> {
     #[inline(always)]
     pub(crate) fn start(&mut self, tile: usize, origin: usize, lowest: u32, highest: u32) {
         let (least, most) = (lowest as usize, highest as usize);
-        assert!(
+        demand(
             least <= most && most < 256 && most <= origin && origin - least + 8 <= 4 * BLOCKS && 2 * tile + 3 <= BLOCKS,
-            "a tile's windows lie within its rows"
         );
         (self.len, self.tile, self.origin) = (0, tile, origin);
         (self.lowest, self.span) = (lowest, highest - lowest);

@@ -8,13 +8,14 @@ use super::{
     STEPS_DOWN, WIDE,
 };
 use crate::Disparity;
+use crate::lanes::demand;
 
 /// Writes the confidences of pairs of cells after a column of `before`: a byte for each pair, then what follows of cells; how many bytes,
 /// if both rows have the same. Rows are equally long, and there is room for [`MOST_BYTES_OF_PAIR`] for each.
 #[inline(never)]
 pub(crate) fn put_confidences([upper, lower]: [&[[u8; 8]]; 2], before: u8, room: &mut [u8]) -> Option<usize> {
     let count = upper.len();
-    assert!(count == lower.len() && MOST_BYTES_OF_PAIR * count <= room.len());
+    demand(count == lower.len() && MOST_BYTES_OF_PAIR * count <= room.len());
     if count == 0 {
         return Some(0);
     }
@@ -111,7 +112,7 @@ pub(crate) fn put_disparities(
     listed: &mut Listed,
 ) -> usize {
     let count = upper.len();
-    assert!(count == lower.len() && MOST_BYTES * count <= room.len() && count <= MOST);
+    demand(count == lower.len() && MOST_BYTES * count <= room.len() && count <= MOST);
     listed.count = 0;
     if count == 0 {
         return 0;

@@ -5,6 +5,7 @@ use super::{
     STEPS_DOWN, WIDE,
 };
 use crate::Disparity;
+use crate::lanes::demand;
 
 impl Listed {
     fn push(&mut self, cell: usize) {
@@ -20,7 +21,7 @@ impl Listed {
 /// Writes the confidences of pairs of cells after a column of `before`: a byte for each pair, then what follows of cells; how many bytes,
 /// if both rows have the same. Rows are equally long, and there is room for [`MOST_BYTES_OF_PAIR`] for each.
 pub(crate) fn put_confidences([upper, lower]: [&[[u8; 8]]; 2], before: u8, room: &mut [u8]) -> Option<usize> {
-    assert!(upper.len() == lower.len() && MOST_BYTES_OF_PAIR * upper.len() <= room.len());
+    demand(upper.len() == lower.len() && MOST_BYTES_OF_PAIR * upper.len() <= room.len());
     let (codes, follows) = room.split_at_mut(upper.len());
     let (mut before, mut used) = (before, 0);
     for (&cells, to) in upper.iter().zip(codes) {
@@ -69,7 +70,7 @@ pub(crate) fn put_disparities(
     room: &mut [u8],
     listed: &mut Listed,
 ) -> usize {
-    assert!(upper.len() == lower.len() && MOST_BYTES * upper.len() <= room.len() && upper.len() <= MOST);
+    demand(upper.len() == lower.len() && MOST_BYTES * upper.len() <= room.len() && upper.len() <= MOST);
     listed.count = 0;
     let (mut before, mut used) = (i32::from(before), 0);
     let mut push = |bytes: &[u8]| write(bytes, &mut used, room);
