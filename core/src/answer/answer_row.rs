@@ -318,14 +318,20 @@ impl<const WORDS: usize> AnswerRow<WORDS> {
         }
     }
 
-    /// Writes the disparities of a row, `HALF_ROWS` half rows below the middle of the cells.
+    /// Writes the disparities of a row, so many half rows below the middle of the cells: -3, -1, 1 or 3.
     #[inline(never)]
-    pub(crate) fn write<const HALF_ROWS: i32>(&self, config: &Config, out: &mut [[Disparity; 4]; WORDS]) {
+    pub(crate) fn write(&self, config: &Config, half_rows: i32, out: &mut [[Disparity; 4]; WORDS]) {
         let pairs = usize::from(config.width).div_ceil(8);
         // Nothing is farther than the least disparity searched.
-        let least = pair_of(Disparity::from_px(config.min_disparity).into_bits().into());
+        let least = pair_of(i32::from(config.min_disparity) << Disparity::FRAC_BITS);
         let (pixels, slopes) = (self.pixels.as_chunks().0, self.slope.as_chunks().0);
-        write_moved::<HALF_ROWS>(&pixels[..pairs], &slopes[..pairs], least, &mut out.as_chunks_mut().0[..pairs]);
+        let (pixels, slopes, out) = (&pixels[..pairs], &slopes[..pairs], &mut out.as_chunks_mut().0[..pairs]);
+        match half_rows {
+            ..-1 => write_moved::<-3>(pixels, slopes, least, out),
+            -1 => write_moved::<-1>(pixels, slopes, least, out),
+            0..=1 => write_moved::<1>(pixels, slopes, least, out),
+            _ => write_moved::<3>(pixels, slopes, least, out),
+        }
     }
 }
 

@@ -17,7 +17,7 @@ use crate::answer::repetition::Repetition;
 use crate::front_end::camera_view::Row;
 use crate::front_end::noise::{Noise, SmoothingLevel};
 use crate::lanes::evidence_rows::{CellSums, CellWindows, least_with_before};
-use crate::lanes::{ONES, halved_sum, max, min, min_max, select_ge, splat, sub};
+use crate::lanes::{ONES, halved_sum, max, min, min_max, select_ge, splat, sub, unseen};
 
 /// Most that likeness adds to the merit of a cell.
 const MOST_BONUS: u32 = 40;
@@ -121,7 +121,7 @@ impl<const WORDS: usize> Sums<WORDS> {
         for (cell, (rival, &label)) in rivals.iter_mut().zip(windows.labels).enumerate() {
             let other = i32::from(label) + step;
             // Where there is none it is the answer itself.
-            *rival = match u8::try_from(other) {
+            *unseen(rival) = match u8::try_from(other) {
                 Ok(rival) if windows.is_inside(cell, other) => rival,
                 _ => label,
             };
@@ -131,6 +131,7 @@ impl<const WORDS: usize> Sums<WORDS> {
         CellWindows { labels, ..*windows }.sum_fits(&mut sums.far);
         let cells = self.like.iter_mut().zip(&sums.far).zip(labels.iter().zip(windows.labels));
         for ((like, &fit), (rival, label)) in cells {
+            let like = unseen(like);
             *like = if rival == label { *like } else { fit.min(*like) };
         }
     }

@@ -4,6 +4,8 @@
 //! match may as well be the next bar's. The distance that most pairs of like contours have is found once a row of tiles;
 //! the cells are then compared with what lies there.
 
+use crate::lanes::unseen;
+
 /// Least and greatest distance of like contours, px: not one edge seen twice, and the next bar.
 const LEAST: u32 = 6;
 const MOST: u32 = 46;
@@ -101,12 +103,13 @@ impl Repetition {
     }
 }
 
-/// Of any length, so that it is not written out in full.
 #[inline(never)]
 fn halve(numbers: &mut [u16]) {
-    for number in numbers {
-        *number /= 2;
+    let (fours, rest) = unseen(numbers).as_chunks_mut::<4>();
+    for four in fours {
+        unseen(four).iter_mut().for_each(|number| *number /= 2);
     }
+    rest.iter_mut().for_each(|number| *number /= 2);
 }
 
 #[cfg(test)]

@@ -109,7 +109,7 @@ impl<const WORDS: usize, F: FeatureRows<WORDS>> CameraPair<WORDS, F> {
     fn measure_noise(&mut self, width: usize) {
         let Some(sampling) = Sampling::of(self.rows).filter(|_| !self.has_raw_noise) else { return };
         if self.rows >= 2 && !self.missing.has_any_of_three(self.rows) {
-            let y = i64::from(self.rows) - 1;
+            let y = self.rows - 1;
             for (view, histogram) in [&self.left, &self.right].into_iter().zip(&mut self.histograms) {
                 let rows = [y - 1, y, y + 1].map(|y| view.raw(y));
                 histogram.sample(rows, sampling.first, sampling.stride, sampling.weight, width);

@@ -101,13 +101,13 @@ impl<const WORDS: usize, F: FeatureRows<WORDS>> CameraView<WORDS, F> {
         self.raw_len += 1;
     }
 
-    /// Row `y` as it came; above the first and below the newest are the first and the newest.
-    pub(crate) fn raw(&self, y: i64) -> &Row<WORDS> {
+    /// Row `y` as it came; below the newest is the newest.
+    pub(crate) fn raw(&self, y: u32) -> &Row<WORDS> {
         &self.raw[(clamp(y, self.raw_len) % RAW_ROWS) as usize]
     }
 
-    /// Row `y` after smoothing; above the first and below the newest are the first and the newest.
-    pub(crate) fn smooth(&self, y: i64) -> &Row<WORDS> {
+    /// Row `y` after smoothing; below the newest is the newest.
+    pub(crate) fn smooth(&self, y: u32) -> &Row<WORDS> {
         smoothed(&self.raw, &self.smooth, self.is_smoothed, clamp(y, self.smooth_len))
     }
 
@@ -123,8 +123,7 @@ impl<const WORDS: usize, F: FeatureRows<WORDS>> CameraView<WORDS, F> {
         self.is_smoothed |= bit;
         let words = words_for(width);
         let mut line = [0; WORDS];
-        let at = i64::from(y);
-        let rows = [at - 2, at - 1, at, at + 1, at + 2]
+        let rows = [y.saturating_sub(2), y.saturating_sub(1), y, y + 1, y + 2]
             .map(|y| &self.raw[(clamp(y, self.raw_len) % RAW_ROWS) as usize][..words]);
         let out = &mut self.smooth[(y % SMOOTH_ROWS) as usize];
         mean_down(rows, means.0, &mut line[..words]);
@@ -138,15 +137,14 @@ impl<const WORDS: usize, F: FeatureRows<WORDS>> CameraView<WORDS, F> {
         self.features_len += 1;
         let words = words_for(width);
         let out = &mut self.features.tiles_mut(y / TILE_ROWS)[(y % TILE_ROWS) as usize];
-        let smooth = |y: i64| {
+        let smooth = |y: u32| {
             let row = smoothed(&self.raw, &self.smooth, self.is_smoothed, clamp(y, self.smooth_len));
             &row[..words]
         };
-        let at = i64::from(y);
         if y.is_multiple_of(2) {
-            gradient_across([smooth(at), smooth(at + 1)], clips, &mut out[..words]);
+            gradient_across([smooth(y), smooth(y + 1)], clips, &mut out[..words]);
         } else {
-            gradient_down([smooth(at - 1), smooth(at + 1)], clips, &mut out[..words]);
+            gradient_down([smooth(y - 1), smooth(y + 1)], clips, &mut out[..words]);
         }
         replicate_borders(out, width);
     }
@@ -162,11 +160,13 @@ pub(crate) const fn words_for(width: usize) -> usize {
     width.div_ceil(4) + 2
 }
 
-fn clamp(y: i64, len: u32) -> u32 {
-    u32::try_from(y).unwrap_or(0).min(len.saturating_sub(1))
+/// Row `y`, or the newest of `len`.
+const fn clamp(y: u32, len: u32) -> u32 {
+    if y < len { y } else { len.saturating_sub(1) }
 }
 
 /// Row `y` after smoothing, or as it came if it was not smoothed.
+#[inline(never)]
 fn smoothed<'a, const WORDS: usize>(
     raw: &'a [Row<WORDS>; RAW_ROWS as usize],
     smooth: &'a [Row<WORDS>; SMOOTH_ROWS as usize],

@@ -10,8 +10,8 @@ impl<const WORDS: usize, F: FeatureRows<WORDS>> CameraView<WORDS, F> {
     pub(crate) fn intensity_row(&mut self, clips: Clips, width: usize) {
         let y = self.features_len();
         let words = words_for(width);
-        let at = i64::from(y);
-        let rows = [at - 1, at - 1, at, at + 1, at + 1].map(|y| &self.smooth(y)[..words]);
+        let above = y.saturating_sub(1);
+        let rows = [above, above, y, y + 1, y + 1].map(|y| &self.smooth(y)[..words]);
         let mut mean: Row<WORDS> = [0; WORDS];
         mean_down(rows, Mean::Three, &mut mean[..words]);
         for _ in 0..2 {
@@ -21,7 +21,7 @@ impl<const WORDS: usize, F: FeatureRows<WORDS>> CameraView<WORDS, F> {
             mean = wider;
         }
         let mut row: Row<WORDS> = [0; WORDS];
-        for ((out, &pixel), &mean) in row.iter_mut().zip(self.smooth(at)).zip(&mean).take(words) {
+        for ((out, &pixel), &mean) in row.iter_mut().zip(self.smooth(y)).zip(&mean).take(words) {
             let difference = signed_sub(pixel, mean);
             *out = clips.of(signed_add(difference, difference));
         }

@@ -2,6 +2,7 @@
 
 use crate::front_end::exposure::Gain;
 use crate::lanes::rows::{Clips, Mean, second_difference, second_difference_in};
+use crate::lanes::unseen;
 
 const BINS: usize = 64;
 /// Counts are halved here, so that they fit their 16 bits and old rows count less.
@@ -61,10 +62,9 @@ impl NoiseHistogram {
     #[cold]
     #[inline(never)]
     fn halve(&mut self) {
-        // Of a length that the compiler does not see, so that it is not written out for each bin.
-        let bins = core::hint::black_box(&mut self.bins[..]);
         let mut total = 0;
-        for bin in bins {
+        for bin in &mut self.bins {
+            let bin = unseen(bin);
             *bin /= 2;
             total += *bin;
         }
@@ -72,11 +72,12 @@ impl NoiseHistogram {
     }
 
     /// The value that `percent` of the pixels do not reach, interpolated, in 1/16 grey level.
+    #[inline(never)]
     fn percentile(&self, percent: u32) -> u32 {
         // In units of 1/100 count.
         let target = u32::from(self.total) * percent;
         let mut below = 0;
-        for (value, &count) in (0..).zip(&self.bins) {
+        for (value, &count) in (0..).zip(unseen(&self.bins[..])) {
             let count = u32::from(count) * 100;
             if count > 0 && below + count >= target {
                 // The bin covers value - 1/2 .. value + 1/2.

@@ -56,6 +56,12 @@ pub(crate) fn choose<T>(is_a: bool, a: T, b: T) -> T {
     core::hint::select_unpredictable(is_a, a, b)
 }
 
+/// The same, of which the compiler for Cortex-M knows nothing: a loop over it is not written out, which takes flash.
+#[inline(always)]
+pub(crate) fn unseen<T>(value: T) -> T {
+    if cfg!(haarline_dsp) { core::hint::black_box(value) } else { value }
+}
+
 /// What is made of each number: [`core::array::from_fn`], of which a compiler for x86-64 makes a call for each.
 #[inline(always)]
 pub(crate) fn array<T: Copy + Default, const LEN: usize>(mut of: impl FnMut(usize) -> T) -> [T; LEN] {

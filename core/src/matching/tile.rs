@@ -12,7 +12,7 @@ use crate::Config;
 use crate::front_end::camera_view::Row;
 use crate::lanes::rows::tile_sads_around;
 use crate::lanes::trials::{Trial, Trials};
-use crate::lanes::{choose, saturated_halves, splat_half};
+use crate::lanes::{choose, saturated_halves, splat_half, unseen};
 use crate::matching::settled::SettledTile;
 
 /// By how much the sum of a tile must be less than those a step beside it.
@@ -362,13 +362,13 @@ impl<C: CellCost, const WORDS: usize> Search<'_, C, WORDS> {
     /// The trial of the least sum more than a step from the best; the first of equals; [`u32::MAX`] if there is none.
     #[inline(never)]
     fn cheapest_beside(&self, best: u32) -> u32 {
-        let mut other = u32::MAX;
-        for &Trial { key, .. } in self.trials.list() {
-            if Trial::label_of(key).wrapping_sub(Trial::label_of(best)).wrapping_add(1) > 2 {
-                other = other.min(key);
-            }
-        }
-        other
+        let nearest = Trial::label_of(best).wrapping_sub(1);
+        let least = |other: u32, trial: &Trial| {
+            if Trial::label_of(trial.key).wrapping_sub(nearest) > 2 { other.min(trial.key) } else { other }
+        };
+        let (twos, last) = unseen(self.trials.list()).as_chunks::<2>();
+        let other = twos.iter().fold(u32::MAX, |other, two| unseen(two).iter().fold(other, least));
+        last.iter().fold(other, least)
     }
 
     /// The same where not both may be known.

@@ -50,7 +50,7 @@ impl<const WORDS: usize> TileSeeds<WORDS> {
         threshold: u32,
         strong_noise: bool,
     ) {
-        let first = i64::from(4 * tile_row);
+        let first = 4 * tile_row;
         let (left, right) = self.contours.split_at_mut(WORDS / 2);
         for ((view, contours), len) in [&cameras.left, &cameras.right].into_iter().zip([left, right]).zip(&mut self.len)
         {

@@ -108,7 +108,7 @@ impl<M: Points<ROWS, BLOCKS>, const ROWS: usize, const BLOCKS: usize, C: StageCl
             let views = [&mut self.cameras.left, &mut self.cameras.right];
             for (view, rows) in views.into_iter().zip(&mut self.smooth) {
                 view.smooth_row(level, width);
-                rows[self.smoothed as usize % ROWS] = *view.smooth(self.smoothed.into());
+                rows[self.smoothed as usize % ROWS] = *view.smooth(self.smoothed);
             }
             self.smoothed += 1;
             // One row measures a pair, the next one writes the pair before.

@@ -409,12 +409,8 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> Tiled<M, BLOCKS, C> {
         }
         let (config, out) = (&self.config, &mut self.disparity.0);
         // Twice the distance from the middle of the cells, rows.
-        match (2 * (y % Self::CELL_HEIGHT) + 1).wrapping_sub(Self::CELL_HEIGHT).cast_signed() {
-            -3 if M::ROWS == 1 => self.answer.write::<-3>(config, out),
-            3 if M::ROWS == 1 => self.answer.write::<3>(config, out),
-            ..0 => self.answer.write::<-1>(config, out),
-            _ => self.answer.write::<1>(config, out),
-        }
+        let half_rows = (2 * (y % Self::CELL_HEIGHT) + 1).wrapping_sub(Self::CELL_HEIGHT).cast_signed();
+        self.answer.write(config, half_rows, out);
         self.clock.enter(Stage::Output);
         let disparity = &self.disparity.0.as_flattened()[..width];
         sink(DisparityRow { y, disparity, confidence: &self.answer.confidence.0.as_flattened()[..width] });
