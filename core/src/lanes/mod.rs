@@ -31,7 +31,7 @@ pub(crate) mod sevens;
 pub(crate) mod smoothing;
 pub(crate) mod trials;
 
-/// What is read and written from here on without another check must lie within its rows: else the program ends. One message for
+/// What is read and written from here on without another check must lie within its rows: else the program ends. In one place for
 /// all, since each of its own takes flash.
 #[inline(always)]
 pub(crate) fn demand(is_within: bool) {
@@ -43,7 +43,8 @@ pub(crate) fn demand(is_within: bool) {
 #[cold]
 #[inline(never)]
 fn end_outside() -> ! {
-    panic!("a window or a row ends outside of what it is read from or written to");
+    // No message: it would take what formats one.
+    unreachable!()
 }
 
 /// `a` if so, else `b`. A branch that nobody can foresee is taken the wrong way half of the times, which costs more than to find
