@@ -27,6 +27,8 @@ PANIC = re.compile(r"core::panicking|core::cell::panic|_fail(::|$)|unwrap_failed
 HEAD = re.compile(r"^[0-9a-f]+ <(.*)>:$")
 LINE = re.compile(r"^\s*([0-9a-f]+):\s+(\S+)(?:\s+(.*))?$")
 TARGET = re.compile(r"<(.+?)(?:\+0x[0-9a-f]+)?>")
+# What the linker fills up with behind a function, 0xd4d4, reads as this branch; into another function none leads so near.
+FILL = re.compile(r"imm = #-0x58$")
 
 
 def sections(elf):
@@ -72,6 +74,8 @@ def functions(elf):
             # Every instruction of the floating-point unit begins with v.
             if instruction.startswith("v"):
                 floats[name].append(line.strip())
+            if instruction == "bmi" and FILL.search(operands or ""):
+                continue
             if instruction.startswith("b") and (target := TARGET.search(operands or "")) and target[1] != name:
                 calls[name].add(target[1])
     return calls, floats
