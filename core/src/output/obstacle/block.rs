@@ -4,8 +4,8 @@ use crate::lanes::{add, max, select_ge_halves, splat_half};
 
 /// A block, and the chains that end at it.
 ///
-/// Chains are told in bytes: the weight of the sure ones, the number of the measured ones, at most 255, and whether
-/// each goes on from one block row to the next anywhere (0xff).
+/// Chains are told in bytes: the weight of the sure ones, the number of the measured ones, at most 255; then what holds
+/// anywhere in each of them: [`Block::ROWS`] and [`Block::COLUMNS`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Block {
     /// Its disparity, 1/16 px, greater than 0; of none so far from all that it agrees with none.
@@ -29,6 +29,12 @@ impl Block {
     const MOST_ALONE: u32 = 2;
     /// The bytes of the chain of measured ones.
     const MEASURED: u32 = 0xff00_ff00;
+    /// A chain goes on from one block row to the next.
+    const ROWS: u32 = 0x0101_0000;
+    /// Two blocks of the chain of sure ones lie side by side.
+    const COLUMNS: u32 = 0x0080_0000;
+    /// From this disparity on, 1/16 px, one column of blocks is not believed: it is narrower than an eighth of the baseline.
+    const NO_LONE_COLUMN: u32 = 32 << 4;
     /// Up to this share of the tolerance a chain is nearer than its farthest block and still of one surface: where a thing
     /// stands before a wall, answers beside its outline lead from the one to the other by steps that agree.
     const ONE_SURFACE: [u32; 2] = [3, 4];
@@ -54,7 +60,7 @@ impl Block {
     /// Whether a chain that ends here goes on from one block row to the next: no other is believed or in doubt.
     #[inline(always)]
     pub(super) const fn is_of_rows(&self) -> bool {
-        self.beside & 0xffff_0000 != 0
+        self.beside & Self::ROWS != 0
     }
 
     /// A measured block of disparity `bits`, greater than 0: its chains go on from those beside and above it that agree, or
@@ -72,7 +78,7 @@ impl Block {
         {
             let other = before.bits.cast_unsigned();
             if other.wrapping_sub(least) <= span {
-                chains = max(chains, before_chains);
+                chains = max(chains, before_chains) | (chains | before_chains) & (Self::ROWS | Self::COLUMNS);
                 sure = select_ge_halves(before.sure, sure, before.sure, sure);
                 measured = measured.max(other);
                 if (before.surface & 0xffff) + climb >= bits {
@@ -80,7 +86,9 @@ impl Block {
                 }
             }
         }
-        let chains = add(chains & counted, u32::from(own) | 1 << 8);
+        let is_left_sure = left.bits.cast_unsigned().wrapping_sub(least) <= span && left.sure != 0;
+        let columns = if is_left_sure { Self::COLUMNS } else { 0 };
+        let chains = add((chains | columns) & counted, u32::from(own) | 1 << 8);
         // What this block and those before it reach: sure ones, two and three; measured ones.
         let reached = select_ge_halves(sure, splat, splat, sure);
         let doubtful = measured.min(bits);
@@ -90,7 +98,7 @@ impl Block {
             bits: bits.cast_signed(),
             sure: if own > 0 { bits | reached << 16 } else { 0 },
             beside: chains,
-            below: chains | 0xffff_0000 & counted,
+            below: chains | Self::ROWS & counted,
             reached: reached >> 16 | doubtful << 16,
             surface: if own > 0 { farthest | weight << 16 } else { 0 },
         }
@@ -110,7 +118,18 @@ impl Block {
     /// Whether sure blocks of so much weight agree, each with the next, and not in one row only.
     #[inline(always)]
     pub(super) const fn is_chain(&self, weight: u32) -> bool {
-        self.beside & 0x00ff_0000 != 0 && self.beside & 0xff >= weight
+        self.beside & Self::ROWS & !Self::MEASURED != 0 && self.beside & 0xff >= weight
+    }
+
+    /// Whether they are enough for how near they are: side by side they would be as long as the rig's baseline, which is as long
+    /// in pixels as their disparity; and no lone column if near. What fits by chance before a pattern is nearer than anything,
+    /// and of few blocks.
+    #[inline(always)]
+    pub(super) const fn is_large(&self) -> bool {
+        let bits = self.bits.cast_unsigned();
+        // Weight is twice the blocks of 4 px.
+        let is_long = bits <= 32 * (self.beside & 0xff) || self.beside & 0xff == 0xff;
+        is_long && (bits < Self::NO_LONE_COLUMN || self.beside & Self::COLUMNS != 0)
     }
 
     /// Whether those of them that are of this block's surface have so much weight.
@@ -122,6 +141,6 @@ impl Block {
     /// The disparity that may be there, 1/16 px, if so many measured blocks agree, and not in one row only; else 0.
     #[inline(always)]
     pub(super) const fn doubtful(&self, length: u32) -> u32 {
-        if self.beside >> 24 != 0 && self.beside >> 8 & 0xff >= length { self.reached >> 16 } else { 0 }
+        if self.beside & Self::ROWS & Self::MEASURED != 0 && self.beside >> 8 & 0xff >= length { self.reached >> 16 } else { 0 }
     }
 }

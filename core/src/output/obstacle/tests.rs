@@ -205,6 +205,15 @@ fn what_sure_blocks_lead_to_step_by_step_is_unknown_unless_enough_of_it_agree() 
 }
 
 #[test]
+fn what_is_near_must_be_of_more_blocks_and_no_lone_column() {
+    // Sure before a wall, so many blocks wide and high.
+    let middle = |columns: usize, rows: usize, px: f64| told_of(76..76 + 4 * columns, 40..40 + 4 * rows, px, 64)[4];
+    // 40 px are ten blocks. What is less is not told, nor is the wall.
+    assert_eq!([middle(2, 5, 40.0), middle(2, 4, 40.0)], [Some(150), None]);
+    assert_eq!([middle(1, 12, 40.0), middle(1, 12, 31.0), middle(1, 7, 31.0)], [None, Some(193), None]);
+}
+
+#[test]
 fn what_is_sure_in_three_times_as_many_rows_outweighs_doubt() {
     // A wall at 1 m, in the band of heights in rows 40 to 83, eleven of blocks; and columns of doubt before it.
     let told = |rows: std::ops::Range<usize>| {
