@@ -31,7 +31,9 @@ SURE = {
 }
 WALL_NOISE = [0, 0.4, 1, 1.5, 2.5, 5, 10]
 # Family, noise, most of the pixels that are sure and wrong: mean, worst scene; and near in the mean.
-CASES = [("fences", 0, 1, 3, 0.5), ("fences", 1, 1, 3, 0.5), ("fences", 5, 1, 3, 0.5), ("slats", 0, 3, None, None),
+CASES = [("fences", 0, 1, 3, 0.5), ("fences", 1, 1, 3, 0.5), ("fences", 5, 1, 3, 0.5),
+         ("wide-fences", 0, 1, 3, 0.5), ("wide-fences", 1, 1, 3, 0.5), ("wide-fences", 2, 1, None, 0.5), ("wide-fences", 5, 1, None, 0.5),
+         ("slats", 0, 3, None, None),
          ("slats", 2, 3, None, None), ("strips", 0, 1, None, None), ("strips", 2, 1, None, None)]
 CASES += [("walls", noise, 1, None, None) for noise in WALL_NOISE]
 WRONG = {

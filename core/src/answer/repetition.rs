@@ -8,19 +8,23 @@ use crate::lanes::unseen;
 
 /// Least and greatest distance of like contours, px: not one edge seen twice, and the next bar.
 const LEAST: u32 = 6;
-const MOST: u32 = 46;
-/// Each contour is compared with so many next ones.
-const NEXT: usize = 3;
+const MOST: u32 = 61;
+/// Each contour is compared with so many next ones: what noise makes may lie between bars.
+const NEXT: usize = 6;
+/// Pairs that each contour has with those after it: with the first ones that are like it.
+const LIKES: u32 = 3;
 /// Pairs of the most common distance from which on the row repeats itself, percent of its contours.
-const STRONG_PERCENT: u32 = 35;
+const STRONG_PERCENT: u32 = 32;
 /// Weight of a pair of this row; that of the rows before is halved with each.
 const WEIGHT: u16 = 4;
+/// Distances that are counted; nothing is as far as the last one.
+const COUNTED: usize = MOST as usize + 2;
 
 /// How often pairs of like contours have which distance, in the newest rows of tiles.
 #[derive(Debug, Clone)]
 pub(crate) struct Repetition {
-    /// Pairs of each distance from one less than [`LEAST`] to one more than [`MOST`], times [`WEIGHT`].
-    pairs: [u16; (MOST - LEAST + 3) as usize],
+    /// Pairs of each distance, times [`WEIGHT`], as much as they will count in the next row.
+    pairs: [u16; COUNTED],
     /// The most common distance, px.
     pub(crate) distance: u32,
     /// Whether a good part of the contours has its like there.
@@ -28,88 +32,69 @@ pub(crate) struct Repetition {
 }
 
 impl Repetition {
-    pub(crate) const NONE: Self = Self { pairs: [0; (MOST - LEAST + 3) as usize], distance: LEAST, is_strong: false };
+    pub(crate) const NONE: Self = Self { pairs: [0; COUNTED], distance: LEAST, is_strong: false };
 
-    /// Looks at the contours of a row of tiles: column and strength of each, from left to right, of one polarity.
+    /// Looks at the contours of a row of tiles, from left to right, of one polarity: column in the upper half, strength in the
+    /// lower one.
     #[inline(never)]
-    pub(crate) fn observe(&mut self, contours: impl Iterator<Item = (u32, u32)> + Clone) {
-        halve(&mut self.pairs);
+    pub(crate) fn observe(&mut self, contours: impl Iterator<Item = u32> + Clone) {
         let mut count = 0;
         let mut rest = contours;
-        while let Some((column, strength)) = rest.next() {
+        while let Some(contour) = rest.next() {
             count += 1;
-            for (other, others) in rest.clone().take(NEXT) {
-                let distance = other - column;
-                #[cfg(haarline_dsp)]
-                if distance > MOST {
-                    break;
+            let (column, strength) = (contour & 0xffff_0000, contour & 0xffff);
+            let [least, span] = alike(strength);
+            let mut likes = 0;
+            for other in rest.clone().take(NEXT) {
+                let (distance, others) = ((other - column) >> 16, other & 0xffff);
+                let is_alike = others.wrapping_sub(least) <= span;
+                if cfg!(haarline_dsp) {
+                    if distance > MOST {
+                        break;
+                    }
+                    if is_alike {
+                        self.pairs[distance as usize] += WEIGHT;
+                        likes += 1;
+                        if likes == LIKES {
+                            break;
+                        }
+                    }
+                } else {
+                    // Without branches, which nobody could foresee.
+                    let is_like = is_alike & (distance <= MOST) & (likes < LIKES);
+                    self.pairs[distance.min(MOST + 1) as usize] += WEIGHT * u16::from(is_like);
+                    likes += u32::from(is_like);
                 }
-                self.count(distance, strength, others);
             }
         }
-        let (most, at) = self.most_common();
-        self.distance = at;
+        let (most, distance) = self.most_common();
+        self.distance = distance;
         self.is_strong = most * 100 >= STRONG_PERCENT * 2 * u32::from(WEIGHT) * count.max(1);
     }
-}
 
-#[cfg(haarline_dsp)]
-impl Repetition {
-    /// Counts a pair of contours, if they are alike.
+    /// How common the most common distance is, times 4, and which it is, the first of equals: one that is no whole number is
+    /// shared by two. After that pairs count half.
     #[inline(always)]
-    fn count(&mut self, distance: u32, strength: u32, others: u32) {
-        let is_like = 2 * strength <= 3 * others && 2 * others <= 3 * strength;
-        if is_like && let Some(pairs) = self.pairs.get_mut((distance + 1).wrapping_sub(LEAST) as usize) {
-            *pairs = pairs.saturating_add(WEIGHT);
-        }
-    }
-
-    /// How common the most common distance is, times 4, and which it is. One that is no whole number is shared by two.
-    #[inline(always)]
-    fn most_common(&self) -> (u32, u32) {
-        let (mut most, mut at) = (0, LEAST);
-        for (distance, around) in (LEAST..).zip(self.pairs.windows(3)) {
-            let sum = u32::from(around[0]) + 2 * u32::from(around[1]) + u32::from(around[2]);
-            if sum > most {
-                (most, at) = (sum, distance);
+    fn most_common(&mut self) -> (u32, u32) {
+        let [a, b, rest @ ..] = &mut self.pairs[LEAST as usize - 1..] else { return (0, LEAST) };
+        let (mut before, mut here, mut best) = (u32::from(*a), u32::from(*b), 0);
+        (*a, *b) = (*a / 2, *b / 2);
+        for (i, four) in (0..).step_by(4).zip(rest.as_chunks_mut::<4>().0) {
+            for (place, pairs) in (i..).zip(unseen(four)) {
+                let after = u32::from(*pairs);
+                best = best.max((before + 2 * here + after) << 6 | (63 - place));
+                (before, here) = (here, after);
+                *pairs /= 2;
             }
         }
-        (most, at)
-    }
-}
-
-/// The same without branches, which nobody could foresee.
-#[cfg(not(haarline_dsp))]
-impl Repetition {
-    #[inline(always)]
-    fn count(&mut self, distance: u32, strength: u32, others: u32) {
-        let last = self.pairs.len() - 1;
-        // Nothing is as far as the last one.
-        let place = ((distance + 1).wrapping_sub(LEAST) as usize).min(last);
-        let is_like = (2 * strength <= 3 * others) & (2 * others <= 3 * strength) & (place < last);
-        self.pairs[place] = self.pairs[place].saturating_add(WEIGHT * u16::from(is_like));
-    }
-
-    #[inline(always)]
-    fn most_common(&self) -> (u32, u32) {
-        // The first of equals is the greatest.
-        let mut best = 0;
-        for (i, around) in (0..).zip(self.pairs.windows(3)) {
-            let sum = i32::from(around[0]) + 2 * i32::from(around[1]) + i32::from(around[2]);
-            best = best.max(sum << 6 | (63 - i));
-        }
-        let best = best.cast_unsigned();
         (best >> 6, LEAST + 63 - best % 64)
     }
 }
 
-#[inline(never)]
-fn halve(numbers: &mut [u16]) {
-    let (fours, rest) = unseen(numbers).as_chunks_mut::<4>();
-    for four in fours {
-        unseen(four).iter_mut().for_each(|number| *number /= 2);
-    }
-    rest.iter_mut().for_each(|number| *number /= 2);
+/// The least strength that is like it, about 2/3, and how much more that may be, up to 3/2 of it.
+#[inline(always)]
+const fn alike(strength: u32) -> [u32; 2] {
+    [(11 * strength).div_ceil(16), 13 * strength / 16]
 }
 
 #[cfg(test)]
@@ -120,14 +105,14 @@ mod tests {
     fn observed(rows: usize, contours: &[(u32, u32)]) -> (u32, bool) {
         let mut repetition = Repetition::NONE;
         for _ in 0..rows {
-            repetition.observe(contours.iter().copied());
+            repetition.observe(contours.iter().map(|&(column, strength)| column << 16 | strength));
         }
         (repetition.distance, repetition.is_strong)
     }
 
     #[test]
     fn bars_tell_their_period_at_once() {
-        for period in [8, 11, 24, 40] {
+        for period in [8, 11, 24, 40, 61] {
             let bars: [(u32, u32); 12] = core::array::from_fn(|i| (20 + i as u32 * period, 30 + i as u32 % 3));
             assert_eq!(observed(1, &bars), (period, true));
         }
@@ -150,11 +135,13 @@ mod tests {
             });
             let mut pairs = [0; 64];
             for (i, &(column, strength)) in contours.iter().enumerate() {
-                for &(other, others) in contours.iter().skip(i + 1).take(NEXT) {
-                    let is_like = 2 * strength <= 3 * others && 2 * others <= 3 * strength;
-                    if is_like && (LEAST - 1..=MOST).contains(&(other - column)) {
-                        pairs[(other - column) as usize] += 1;
-                    }
+                let is_like = |&&(other, others): &&(u32, u32)| {
+                    let [least, span] = alike(strength);
+                    let is_alike = (least..=least + span).contains(&others);
+                    is_alike && other - column <= MOST
+                };
+                for &(other, _) in contours.iter().skip(i + 1).take(NEXT).filter(is_like).take(LIKES as usize) {
+                    pairs[(other - column) as usize] += 1;
                 }
             }
             let sum = |distance: u32| {
@@ -171,8 +158,9 @@ mod tests {
     #[test]
     fn contours_of_all_kinds_are_no_repetition() {
         let contours: [(u32, u32); 40] = core::array::from_fn(|i| {
-            let i = i as u32;
-            (8 * i + (i.wrapping_mul(0x9e37_79b1) >> 29), 4 + (i.wrapping_mul(0xc2b2_ae35) >> 25))
+            let mixed = (i as u32 + 1).wrapping_mul(0x9e37_79b1);
+            let number = (mixed ^ mixed >> 15).wrapping_mul(0x85eb_ca6b);
+            (8 * i as u32 + (number >> 29), 4 + (number >> 16) % 128)
         });
         assert!(!observed(5, &contours).1);
     }

@@ -107,9 +107,9 @@ impl<const WORDS: usize> TileSeeds<WORDS> {
         spread(&mut self.nearest[..tiles], contours, candidates, least);
     }
 
-    /// Column and strength of each contour of the left view that was found last, left to right.
-    pub(crate) fn left_contours(&self) -> impl Iterator<Item = (u32, u32)> + Clone {
-        self.contours[..self.len[0]].iter().map(|contour| (contour.place >> 16, contour.strength()))
+    /// Column, upper half, and strength, lower half, of each contour of the left view that was found last, left to right.
+    pub(crate) fn left_contours(&self) -> impl Iterator<Item = u32> + Clone {
+        self.contours[..self.len[0]].iter().map(|contour| contour.place)
     }
 
     /// Puts other seeds in the place of those of the contours.

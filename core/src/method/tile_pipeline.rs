@@ -230,7 +230,10 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> Tiled<M, BLOCKS, C> {
         self.clock.enter(Stage::Seeds);
         let tiles = self.tiles();
         self.seeds.pair(&self.config, self.cameras.tiles(tile_row), tiles);
-        self.repetition.observe(self.seeds.left_contours());
+        // Every second row is enough, unless it repeats itself.
+        if tile_row.is_multiple_of(2) || self.repetition.is_strong {
+            self.repetition.observe(self.seeds.left_contours());
+        }
         let range = self.config.num_disparities;
         match self.parts().seeds {
             Seeds::Contours => {}

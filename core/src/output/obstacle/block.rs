@@ -141,6 +141,10 @@ impl Block {
     /// The disparity that may be there, 1/16 px, if so many measured blocks agree, and not in one row only; else 0.
     #[inline(always)]
     pub(super) const fn doubtful(&self, length: u32) -> u32 {
-        if self.beside & Self::ROWS & Self::MEASURED != 0 && self.beside >> 8 & 0xff >= length { self.reached >> 16 } else { 0 }
+        if self.beside & Self::ROWS & Self::MEASURED != 0 && self.beside >> 8 & 0xff >= length {
+            self.reached >> 16
+        } else {
+            0
+        }
     }
 }

@@ -35,6 +35,8 @@ pub enum Family {
     Obstacles,
     /// The same, but dark, saturated or blank: what stands there may stay unknown, but is never told farther
     DimObstacles,
+    /// Plain fences of period 31 to 60 px: few bars are to be seen, and what noise makes lies between them
+    WideFences,
 }
 
 /// A scene of a family.
@@ -86,6 +88,7 @@ impl Family {
             Self::Walls => "walls",
             Self::Obstacles => "obstacles",
             Self::DimObstacles => "dim-obstacles",
+            Self::WideFences => "wide-fences",
         }
     }
 
@@ -100,6 +103,7 @@ impl Family {
             Self::Walls => walls::cases(seed),
             Self::Obstacles => obstacles::textured(seed),
             Self::DimObstacles => obstacles::dim(seed),
+            Self::WideFences => repetitive::wide_fences(seed),
         }
     }
 }

@@ -1,5 +1,7 @@
 //! What repeats along the row: fences, slats, ribs.
 
+use std::ops::{Range, RangeInclusive};
+
 use rand::RngExt;
 
 use super::{BLUR, Case, Family, WIDTH, generator};
@@ -11,9 +13,24 @@ const COUNT: usize = 12;
 
 /// Equal bars at one distance, a scene for each period from 8 to 30 px, with a fraction from 9 on.
 pub(super) fn fences(seed: u64) -> Vec<Case> {
-    let fence = |index: usize| {
-        let mut rng = generator(seed, Family::Fences, index);
-        let whole = index + 8;
+    equal_bars(seed, Family::Fences, 8..=30, 48, 8.0..36.0)
+}
+
+/// The same of period 31 to 60 px, far enough for the next bar to be within the search.
+pub(super) fn wide_fences(seed: u64) -> Vec<Case> {
+    equal_bars(seed, Family::WideFences, 31..=60, 64, 3.0..14.0)
+}
+
+/// A fence for each of the periods, px, at a disparity within that range.
+fn equal_bars(
+    seed: u64,
+    family: Family,
+    periods: RangeInclusive<usize>,
+    num_disparities: u16,
+    disparities: Range<f64>,
+) -> Vec<Case> {
+    let fence = |(index, whole): (usize, usize)| {
+        let mut rng = generator(seed, family, index);
         let period = whole as f64 + if index.is_multiple_of(2) { 0.0 } else { rng.random_range(-0.5..0.5) };
         let bars = Bars {
             period,
@@ -23,12 +40,12 @@ pub(super) fn fences(seed: u64) -> Vec<Case> {
         };
         let layer = Layer {
             shape: Shape::Everywhere,
-            disparity: Slope::facing(rng.random_range(8.0..36.0)),
+            disparity: Slope::facing(rng.random_range(disparities.clone())),
             texture: Texture::blank(rng.random_range(180.0..225.0)).with_bars(bars),
         };
-        Case::new(format!("fence_p{whole:02}"), scene(48, vec![layer], rng.random()))
+        Case::new(format!("fence_p{whole:02}"), scene(num_disparities, vec![layer], rng.random()))
     };
-    (0..=22).map(fence).collect()
+    periods.enumerate().map(fence).collect()
 }
 
 /// Slats of one grey, and the garden between them.
