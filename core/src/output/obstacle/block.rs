@@ -121,14 +121,14 @@ impl Block {
         self.beside & Self::ROWS & !Self::MEASURED != 0 && self.beside & 0xff >= weight
     }
 
-    /// Whether they are enough for how near they are: side by side they would be as long as the rig's baseline, which is as long
-    /// in pixels as their disparity; and no lone column if near. What fits by chance before a pattern is nearer than anything,
-    /// and of few blocks.
+    /// Whether they are enough for how near they are: side by side they would be 2/3 as long as the rig's baseline, which is as
+    /// long in pixels as their disparity; and no lone column if near. What fits by chance before a pattern is nearer than
+    /// anything, and of few blocks.
     #[inline(always)]
     pub(super) const fn is_large(&self) -> bool {
         let bits = self.bits.cast_unsigned();
-        // Weight is twice the blocks of 4 px.
-        let is_long = bits <= 32 * (self.beside & 0xff) || self.beside & 0xff == 0xff;
+        // Weight is twice the blocks of 4 px: 3/2 x 2 px of disparity for each.
+        let is_long = bits <= 48 * (self.beside & 0xff) || self.beside & 0xff == 0xff;
         is_long && (bits < Self::NO_LONE_COLUMN || self.beside & Self::COLUMNS != 0)
     }
 

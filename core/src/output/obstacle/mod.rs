@@ -120,8 +120,8 @@ impl<const N: usize> Sectors<N> {
 pub struct Settings {
     /// Blocks in a chain that adjoin and agree, from two block rows at least; half of them, rounded up, must be of one
     /// surface: no more than 3/4 of the tolerance nearer than the farthest of these. Those whose surface is sure, but not where it
-    /// ends ([`Settings::FRINGE`]), count by a half. What is near is large: of more than 20 px it must be a block for each 4 px,
-    /// which side by side would be as long as the baseline, and from 32 px on two of them side by side. Where it is not, the
+    /// ends ([`Settings::FRINGE`]), count by a half. What is near is large: from 30 px on it must be a block for each 6 px,
+    /// which side by side would be 2/3 as long as the baseline, and from 32 px on two of them side by side. Where it is not, the
     /// sector is unknown.
     pub agreeing_blocks: u8,
     /// Difference of disparity up to which two blocks agree, 1/16 px.

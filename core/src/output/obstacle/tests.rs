@@ -208,9 +208,9 @@ fn what_sure_blocks_lead_to_step_by_step_is_unknown_unless_enough_of_it_agree() 
 fn what_is_near_must_be_of_more_blocks_and_no_lone_column() {
     // Sure before a wall, so many blocks wide and high.
     let middle = |columns: usize, rows: usize, px: f64| told_of(76..76 + 4 * columns, 40..40 + 4 * rows, px, 64)[4];
-    // 40 px are ten blocks. What is less is not told, nor is the wall.
-    assert_eq!([middle(2, 5, 40.0), middle(2, 4, 40.0)], [Some(150), None]);
-    assert_eq!([middle(1, 12, 40.0), middle(1, 12, 31.0), middle(1, 7, 31.0)], [None, Some(193), None]);
+    // 40 px are seven blocks. What is less is not told, nor is the wall.
+    assert_eq!([middle(2, 4, 40.0), middle(2, 3, 40.0)], [Some(150), None]);
+    assert_eq!([middle(1, 12, 40.0), middle(1, 12, 31.0), middle(1, 5, 31.0)], [None, Some(193), None]);
 }
 
 #[test]
