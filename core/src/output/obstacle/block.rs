@@ -127,7 +127,7 @@ impl Block {
     #[inline(always)]
     pub(super) const fn is_large(&self) -> bool {
         let bits = self.bits.cast_unsigned();
-        // Weight is twice the blocks of 4 px: 3/2 x 2 px of disparity for each.
+        // A block weighs 2 and stands for 6 px, 96/16.
         let is_long = bits <= 48 * (self.beside & 0xff) || self.beside & 0xff == 0xff;
         is_long && (bits < Self::NO_LONE_COLUMN || self.beside & Self::COLUMNS != 0)
     }
