@@ -57,7 +57,7 @@ impl Floor {
         let is_noisy = noise.level >= SmoothingLevel::Medium;
         let floor = if is_noisy { floor / 2 } else { floor };
         let sure = match (noise.level, agreement) {
-            (SmoothingLevel::Off, true) => 121,
+            (SmoothingLevel::Off, true) => 121 + floor / 96,
             (SmoothingLevel::Light, true) => 140,
             (SmoothingLevel::Medium, true) => 148 + 7 * floor / 20,
             (SmoothingLevel::Strong, true) => 180,
