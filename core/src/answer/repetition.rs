@@ -19,11 +19,13 @@ const STRONG_PERCENT: u32 = 32;
 const WEIGHT: u16 = 4;
 /// Distances that are counted; nothing is as far as the last one.
 const COUNTED: usize = MOST as usize + 2;
+// Those after the first two are looked at by fours.
+const _: () = assert!((COUNTED - LEAST as usize - 1).is_multiple_of(4));
 
 /// How often pairs of like contours have which distance, in the newest rows of tiles.
 #[derive(Debug, Clone)]
 pub(crate) struct Repetition {
-    /// Pairs of each distance, times [`WEIGHT`], as much as they will count in the next row.
+    /// Pairs of each distance, times [`WEIGHT`], as much as they will count in the next row; of those too near to count, all so far.
     pairs: [u16; COUNTED],
     /// The most common distance, px.
     pub(crate) distance: u32,
@@ -53,7 +55,8 @@ impl Repetition {
                         break;
                     }
                     if is_alike {
-                        self.pairs[distance as usize] += WEIGHT;
+                        let pairs = &mut self.pairs[distance as usize];
+                        *pairs = pairs.saturating_add(WEIGHT);
                         likes += 1;
                         if likes == LIKES {
                             break;
@@ -62,7 +65,8 @@ impl Repetition {
                 } else {
                     // Without branches, which nobody could foresee.
                     let is_like = is_alike & (distance <= MOST) & (likes < LIKES);
-                    self.pairs[distance.min(MOST + 1) as usize] += WEIGHT * u16::from(is_like);
+                    let pairs = &mut self.pairs[distance.min(MOST + 1) as usize];
+                    *pairs = pairs.saturating_add(WEIGHT * u16::from(is_like));
                     likes += u32::from(is_like);
                 }
             }
@@ -122,6 +126,12 @@ mod tests {
     fn what_differs_in_strength_or_lies_too_close_is_no_pair() {
         assert_eq!(observed(3, &[(10, 10), (20, 20), (30, 50), (35, 50)]), (LEAST, false));
         assert_eq!(observed(3, &[]), (LEAST, false));
+    }
+
+    #[test]
+    fn contours_too_near_to_count_never_overflow() {
+        let contours: [(u32, u32); 64] = core::array::from_fn(|i| (4 * i as u32, 40));
+        assert!(observed(2000, &contours).0 >= LEAST);
     }
 
     #[test]
