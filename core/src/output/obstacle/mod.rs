@@ -235,6 +235,8 @@ pub struct Obstacles<const SECTORS: usize, const BLOCKS: usize> {
 impl<const SECTORS: usize, const BLOCKS: usize> Obstacles<SECTORS, BLOCKS> {
     /// The row of each block row that is looked at.
     const SAMPLE: usize = SIZE / 2;
+    /// So many blocks side by side none of which is sure may hide something.
+    const WIDE_GAP: usize = 4;
 
     /// For views of width and height `size`.
     ///
@@ -314,8 +316,22 @@ impl<const SECTORS: usize, const BLOCKS: usize> Obstacles<SECTORS, BLOCKS> {
     /// Distance over the ground to the nearest obstacle of each sector, mm, rounded down; `None` is unknown. Whole once the
     /// last row of the frame is in.
     pub fn nearest_mm(&self) -> impl Iterator<Item = Option<u32>> {
-        let used = self.nearest_mm.iter().zip(&self.weighings).take(self.sectors.count);
-        used.map(|(&mm, weighing)| (mm != UNKNOWN_MM && !weighing.is_in_doubt(mm)).then_some(mm))
+        (0..self.sectors.count).map(|sector| self.told_mm(sector))
+    }
+
+    /// What is told of a sector.
+    fn told_mm(&self, sector: usize) -> Option<u32> {
+        let (&mm, weighing) = (self.nearest_mm.get(sector)?, self.weighings.get(sector)?);
+        if mm == UNKNOWN_MM || weighing.is_in_doubt(mm) {
+            return None;
+        }
+        let used = self.weighings.get(..self.sectors.count)?;
+        let beside = [sector.checked_sub(1), sector.checked_add(1)].into_iter().flatten();
+        let may_be_outline = beside.filter_map(|beside| used.get(beside)).any(|beside| beside.may_reach_beside(mm));
+        let rig = self.camera.rig();
+        // 4 px x 1 mm / focal length / baseline, which is in 1/256 px and µm.
+        let row_mm = [SIZE as u64 * 256 * 1000, u64::from(rig.focal_px_q8()) * u64::from(rig.baseline_um())];
+        (!may_be_outline && !weighing.may_hide(mm, row_mm)).then_some(mm)
     }
 
     /// Whether each sector is measured and free up to [`Settings::free_beyond_mm`]: nothing was found in it, nor may be there,
@@ -332,8 +348,45 @@ impl<const SECTORS: usize, const BLOCKS: usize> Obstacles<SECTORS, BLOCKS> {
     fn look(&mut self, lane: &Lane, row: &DisparityRow<'_>) {
         let width = self.camera.width().min(row.disparity.len()).min(row.confidence.len());
         let count = ((width + SIZE - 1 - Self::SAMPLE) / SIZE).min(BLOCKS);
+        if self.settings.doubtful_blocks > 0 {
+            self.note_gaps(lane, row, count);
+        }
         if self.extend(lane, row, count) {
             self.report(lane, row, count);
+        }
+    }
+
+    /// Notes in which sectors nothing is sure of the first `count` blocks of a row over so many of them that something may be
+    /// hidden there.
+    #[inline(never)]
+    fn note_gaps(&mut self, lane: &Lane, row: &DisparityRow<'_>, count: usize) {
+        let mut directions = Directions::new(lane, &self.sectors);
+        let mut is_unseen = [false; SECTORS];
+        let mut note = |gap: core::ops::Range<usize>| {
+            if gap.len() < Self::WIDE_GAP {
+                return;
+            }
+            let mut before = None;
+            for index in gap {
+                let sector = directions.sector_of(SIZE * index + Self::SAMPLE);
+                // With one block a gap only touches a sector.
+                if let Some(unseen) = sector.filter(|_| sector == before).and_then(|sector| is_unseen.get_mut(sector)) {
+                    *unseen = true;
+                }
+                before = sector;
+            }
+        };
+        let mut first = 0;
+        let confidences = row.confidence.as_chunks::<SIZE>().0;
+        for (index, confidences) in confidences.iter().take(count).enumerate() {
+            if confidences[Self::SAMPLE] >= self.settings.min_confidence {
+                note(first..index);
+                first = index + 1;
+            }
+        }
+        note(first..count);
+        for (weighing, &is_unseen) in self.weighings.iter_mut().zip(&is_unseen) {
+            weighing.add_row(is_unseen);
         }
     }
 

@@ -187,8 +187,29 @@ fn many_doubtful_answers_nearer_than_what_is_sure_make_a_sector_unknown() {
     assert_eq!(told_of(76..80, 48..68, 10.0, 40)[4], None);
     assert_eq!(told_of(76..80, 52..68, 10.0, 40)[4], Some(3000));
     assert_eq!(told_of(60..100, 56..60, 10.0, 40)[4], Some(3000));
-    // The sectors beside tell what stands in them.
-    assert_eq!(told_of(72..80, 52..68, 4.0, 40).iter().filter(|mm| mm.is_none()).count(), 1);
+    // The sectors beside tell what stands in them, unless that may be its outline.
+    let unknown = |px: f64| told_of(72..80, 52..68, px, 40).iter().filter(|mm| mm.is_none()).count();
+    assert_eq!([unknown(5.0), unknown(3.0)], [1, 3]);
+}
+
+#[test]
+fn a_gap_in_which_something_may_be_hidden_makes_a_sector_unknown() {
+    // Guesses in so many columns under two rows of blocks of the wall, and over the rest of it.
+    let middle = |columns: usize, rows: usize| told_of(72..72 + columns, 60..60 + rows, 2.0, 8)[4];
+    // 480 mm are 16 px at 3 m.
+    assert_eq!([middle(16, 20), middle(16, 12), middle(12, 20)], [None, Some(3000), Some(3000)]);
+    // As many rows tell of the wall.
+    assert_eq!(told_of(72..88, 68..84, 2.0, 8)[4], None);
+    let mut finder =
+        Finder::new(SIZE_PX, rig(), Mounting { highest_mm: 2000, ..mounting(300, 0.0) }, sectors(9), Settings::DEFAULT)
+            .unwrap();
+    let seen = map(|_, _| Some(2.0));
+    for (y, disparity) in seen.iter().enumerate() {
+        let confidence: [u8; WIDTH] =
+            std::array::from_fn(|x| if (72..88).contains(&x) && (60..80).contains(&y) { 8 } else { 200 });
+        finder.push(&DisparityRow { y: u32::try_from(y).unwrap(), disparity, confidence: &confidence });
+    }
+    assert_eq!(finder.nearest_mm().nth(4), Some(Some(3000)));
 }
 
 #[test]
