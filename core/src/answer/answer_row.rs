@@ -28,6 +28,13 @@ const GUESS: u32 = 8;
 /// doubtful.
 const OUT_OF_ORDER: i32 = 8;
 
+/// Confidence of the border of a surface before a farther one: less than what is sure, and no less than what is sure but for
+/// where its surface ends.
+const MOST_AT_BORDER: u8 = 56;
+
+/// From this difference of labels on the border is doubtful; 2 px are a jump.
+const LEAST_STEP: u8 = 4;
+
 /// Confidence comes in steps of so much.
 const STEP: u32 = 8;
 /// The left two columns of a cell.
@@ -136,17 +143,17 @@ impl<const WORDS: usize> AnswerRow<WORDS> {
         for (four, &labels) in fours.iter().enumerate() {
             let here = u32::from_le_bytes(labels);
             // Set in the lanes of the cells that a jump is before.
-            let jumps = select_ge(difference(here, here << 8 | before >> 24), splat(2), ONES, 0);
+            let mut jumps = select_ge(difference(here, here << 8 | before >> 24), splat(2), ONES, 0);
             before = here;
-            if jumps == 0 {
-                continue;
-            }
-            for c in (0..4).filter(|lane| jumps >> (8 * lane) & 1 == 1).map(|lane| 4 * four + lane) {
+            while jumps != 0 {
+                let c = 4 * four + jumps.trailing_zeros() as usize / 8;
+                jumps &= jumps - 1;
                 let Some(&[far, near]) = c.checked_sub(1).and_then(|c| median.get(c..)).and_then(|m| m.first_chunk())
                 else {
                     continue;
                 };
-                self.choose_at(config, sources, [far, near], c, &mut halves);
+                let end = self.choose_at(config, sources, [far, near], c, &mut halves);
+                self.doubt_border([far, near], end);
                 if far < near {
                     let jump = right_view.around(config, c, far, near);
                     if jump.from > stretch.to {
@@ -163,7 +170,7 @@ impl<const WORDS: usize> AnswerRow<WORDS> {
         self.hide(&mut right_view, margin, &halves);
     }
 
-    /// Chooses at the jump from one label to the other before a cell.
+    /// Chooses at the jump from one label to the other before a cell; the first column of the surface behind the jump.
     #[inline(never)]
     fn choose_at(
         &mut self,
@@ -172,7 +179,8 @@ impl<const WORDS: usize> AnswerRow<WORDS> {
         labels: [u8; 2],
         c: usize,
         halves: &mut [[u8; WORDS]; 2],
-    ) {
+    ) -> usize {
+        let mut end = 4 * c;
         let last = 4 * (usize::from(config.width).div_ceil(4) + 1);
         // Windows of four columns around the two halves beside the jump.
         for (half, cell) in [(1, c - 1), (0, c)] {
@@ -203,8 +211,22 @@ impl<const WORDS: usize> AnswerRow<WORDS> {
                 let value = ((value - HALF.cast_signed() + 8) >> 4) + 16 * i32::from(config.min_disparity);
                 self.pixels[cell][half] = pair_of(value);
                 halves[half][cell] = other;
+                end = end + 2 - 4 * half;
             }
         }
+        end
+    }
+
+    /// Where the nearer surface ends at the jump from one label to the other, before column `end`, is not sure: answers reach
+    /// over it, on its left by what is hidden behind it, on its right by two columns.
+    #[inline(always)]
+    fn doubt_border(&mut self, [before, after]: [u8; 2], end: usize) {
+        if before.abs_diff(after) < LEAST_STEP {
+            return;
+        }
+        let border = if before > after { end - 2..end } else { end..end + 6 };
+        let columns = self.confidence.0.as_flattened_mut().get_mut(border);
+        columns.into_iter().flatten().for_each(|certain| *certain = (*certain).min(MOST_AT_BORDER));
     }
 
     /// Pixels whose column of the right view, and both beside it, are seen by something nearer are hidden there: they take the

@@ -57,17 +57,16 @@ impl Floor {
         let is_noisy = noise.level >= SmoothingLevel::Medium;
         let floor = if is_noisy { floor / 2 } else { floor };
         let sure = match (noise.level, agreement) {
-            (SmoothingLevel::Off, true) => 121 + floor / 96,
-            (SmoothingLevel::Light, true) => 140,
-            (SmoothingLevel::Medium, true) => 148 + 7 * floor / 20,
+            (SmoothingLevel::Off, true) => 116,
+            (SmoothingLevel::Light, true) => 136,
+            (SmoothingLevel::Medium, true) => 147 + 7 * floor / 20,
             (SmoothingLevel::Strong, true) => 180,
-            (SmoothingLevel::Off, false) => 97,
-            (SmoothingLevel::Light, false) => 104,
-            (SmoothingLevel::Medium, false) => 102,
+            (SmoothingLevel::Off, false) => 89,
+            (SmoothingLevel::Light | SmoothingLevel::Medium, false) => 100,
             (SmoothingLevel::Strong, false) => 101,
         };
         let percent = match noise.level {
-            SmoothingLevel::Off => 40,
+            SmoothingLevel::Off => 56,
             SmoothingLevel::Light => 55,
             SmoothingLevel::Medium | SmoothingLevel::Strong => 50,
         };

@@ -182,10 +182,10 @@ impl Noise {
     pub(crate) fn of(left: &NoiseHistogram, right: &NoiseHistogram, gain: Gain) -> Self {
         // The lower view decides: texture only ever adds to the estimate.
         let least = |percent| gain.apply(left.percentile(percent).min(right.percentile(percent)));
-        // sigma 2.2, 4 and 15 grey levels at the 30th percentile
+        // sigma 2.1, 3.5 and 15 grey levels at the 30th percentile
         let level = match least(30) {
-            0..90 => SmoothingLevel::Off,
-            90..130 => SmoothingLevel::Light,
+            0..78 => SmoothingLevel::Off,
+            78..130 => SmoothingLevel::Light,
             130..554 => SmoothingLevel::Medium,
             _ => SmoothingLevel::Strong,
         };
