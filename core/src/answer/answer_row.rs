@@ -217,16 +217,13 @@ impl<const WORDS: usize> AnswerRow<WORDS> {
         end
     }
 
-    /// Where the nearer surface ends at the jump from one label to the other, before column `end`, is not sure: answers reach
-    /// over it, on its left by what is hidden behind it, on its right by two columns.
+    /// Where a nearer surface ends on its right, before column `end`, is not sure: answers reach over it by two columns.
     #[inline(always)]
     fn doubt_border(&mut self, [before, after]: [u8; 2], end: usize) {
-        if before.abs_diff(after) < LEAST_STEP {
-            return;
+        if before >= after.saturating_add(LEAST_STEP) {
+            let columns = self.confidence.0.as_flattened_mut().get_mut(end - 2..end);
+            columns.into_iter().flatten().for_each(|certain| *certain = (*certain).min(MOST_AT_BORDER));
         }
-        let border = if before > after { end - 2..end } else { end..end + 6 };
-        let columns = self.confidence.0.as_flattened_mut().get_mut(border);
-        columns.into_iter().flatten().for_each(|certain| *certain = (*certain).min(MOST_AT_BORDER));
     }
 
     /// Pixels whose column of the right view, and both beside it, are seen by something nearer are hidden there: they take the

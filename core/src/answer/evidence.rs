@@ -57,7 +57,7 @@ impl Floor {
         let is_noisy = noise.level >= SmoothingLevel::Medium;
         let floor = if is_noisy { floor / 2 } else { floor };
         let sure = match (noise.level, agreement) {
-            (SmoothingLevel::Off, true) => 116,
+            (SmoothingLevel::Off, true) => 118,
             (SmoothingLevel::Light, true) => 136,
             (SmoothingLevel::Medium, true) => 147 + 7 * floor / 20,
             (SmoothingLevel::Strong, true) => 180,
@@ -66,7 +66,7 @@ impl Floor {
             (SmoothingLevel::Strong, false) => 101,
         };
         let percent = match noise.level {
-            SmoothingLevel::Off => 56,
+            SmoothingLevel::Off => 48,
             SmoothingLevel::Light => 55,
             SmoothingLevel::Medium | SmoothingLevel::Strong => 50,
         };
