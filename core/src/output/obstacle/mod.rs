@@ -325,12 +325,15 @@ impl<const SECTORS: usize, const BLOCKS: usize> Obstacles<SECTORS, BLOCKS> {
         if mm == UNKNOWN_MM || weighing.is_in_doubt(mm) {
             return None;
         }
-        let used = self.weighings.get(..self.sectors.count)?;
-        let beside = [sector.checked_sub(1), sector.checked_add(1)].into_iter().flatten();
-        let may_be_outline = beside.filter_map(|beside| used.get(beside)).any(|beside| beside.may_reach_beside(mm));
         let rig = self.camera.rig();
         // 4 px x 1 mm / focal length / baseline, which is in 1/256 px and µm.
         let row_mm = [SIZE as u64 * 256 * 1000, u64::from(rig.focal_px_q8()) * u64::from(rig.baseline_um())];
+        let [numerator, denominator] = row_mm;
+        let used = self.weighings.get(..self.sectors.count)?;
+        let beside = [sector.checked_sub(1), sector.checked_add(1)].into_iter().flatten();
+        // Surfaces whose disparities differ by less than a block are not told apart.
+        let may_be_outline = u64::from(mm) * numerator >= denominator
+            && beside.filter_map(|beside| used.get(beside)).any(|beside| beside.may_reach_beside(mm));
         (!may_be_outline && !weighing.may_hide(mm, row_mm)).then_some(mm)
     }
 
