@@ -2,6 +2,7 @@ extern crate std;
 
 use super::*;
 use crate::{Depth, Disparity};
+use core::ops::Range;
 use proptest::prelude::*;
 use std::vec::Vec;
 
@@ -164,9 +165,13 @@ fn a_sector_is_free_where_it_is_measured_and_empty_and_only_if_that_was_asked() 
 }
 
 /// What is told of a wall at 3 m before which, in those columns and rows, something of `px` is answered with `confidence`.
-fn told_of(columns: std::ops::Range<usize>, rows: std::ops::Range<usize>, px: f64, confidence: u8) -> Vec<Option<u32>> {
+fn told_of(columns: Range<usize>, rows: Range<usize>, px: f64, confidence: u8) -> Vec<Option<u32>> {
+    told_by(finder(mounting(300, 0.0)), columns, rows, px, confidence)
+}
+
+/// The same by a finder of another mounting.
+fn told_by(mut finder: Finder, columns: Range<usize>, rows: Range<usize>, px: f64, confidence: u8) -> Vec<Option<u32>> {
     let is_thing = |x: usize, y: usize| columns.contains(&x) && rows.contains(&y);
-    let mut finder = finder(mounting(300, 0.0));
     for (y, disparity) in map(|x, y| Some(if is_thing(x, y) { px } else { 2.0 })).iter().enumerate() {
         let confidence: [u8; WIDTH] = std::array::from_fn(|x| if is_thing(x, y) { confidence } else { 200 });
         finder.push(&DisparityRow { y: u32::try_from(y).unwrap(), disparity, confidence: &confidence });
@@ -200,16 +205,8 @@ fn a_gap_in_which_something_may_be_hidden_makes_a_sector_unknown() {
     assert_eq!([middle(16, 20), middle(16, 12), middle(12, 20)], [None, Some(3000), Some(3000)]);
     // As many rows tell of the wall.
     assert_eq!(told_of(72..88, 68..84, 2.0, 8)[4], None);
-    let mut finder =
-        Finder::new(SIZE_PX, rig(), Mounting { highest_mm: 2000, ..mounting(300, 0.0) }, sectors(9), Settings::DEFAULT)
-            .unwrap();
-    let seen = map(|_, _| Some(2.0));
-    for (y, disparity) in seen.iter().enumerate() {
-        let confidence: [u8; WIDTH] =
-            std::array::from_fn(|x| if (72..88).contains(&x) && (60..80).contains(&y) { 8 } else { 200 });
-        finder.push(&DisparityRow { y: u32::try_from(y).unwrap(), disparity, confidence: &confidence });
-    }
-    assert_eq!(finder.nearest_mm().nth(4), Some(Some(3000)));
+    let high = finder(Mounting { highest_mm: 2000, ..mounting(300, 0.0) });
+    assert_eq!(told_by(high, 72..88, 60..80, 2.0, 8)[4], Some(3000));
 }
 
 #[test]
