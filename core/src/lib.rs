@@ -66,7 +66,7 @@ pub mod setup;
 pub mod stage;
 
 // The folders are for those who read this; those who use it need not know them.
-pub use answer::disparity;
+pub use answer::{confidence, disparity};
 pub use camera::{counters, framing, rectify, scanline, wiring};
 pub use front_end::{contour, curvature, haar, reading, scales};
 pub use matching::extremum;

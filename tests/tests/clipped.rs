@@ -8,6 +8,7 @@ use std::ops::Range;
 use common::content::{Content, hash};
 use common::frame::Frame;
 use common::map::{Map, run};
+use haarline::confidence::SURE;
 use haarline::obstacle::{Mounting, Obstacles, Sectors, Settings};
 use haarline::{Config, DisparityRow, Full, Lite, Rig, StereoMethod, blocks_for};
 
@@ -118,8 +119,8 @@ fn what_one_view_or_both_clip_is_hardly_sure_and_not_wrong() {
                 let (mut sure, mut wrong) = (0.0, 0.0);
                 for frame in frames {
                     let map = run(&mut *method, frame);
-                    sure += share(&map, &panel.inner(RIM), |confidence, _| confidence >= Settings::SURE);
-                    let is_wrong = |confidence, error: f64| confidence >= Settings::SURE && error.abs() > 2.0;
+                    sure += share(&map, &panel.inner(RIM), |confidence, _| confidence >= SURE);
+                    let is_wrong = |confidence, error: f64| confidence >= SURE && error.abs() > 2.0;
                     wrong += share(&map, &panel.inner(CELL), is_wrong);
                 }
                 let [sure, wrong] = [sure, wrong].map(|sum| sum / f64::from(SEEDS));

@@ -11,6 +11,7 @@ use core::ops::Range;
 
 use crate::answer::cell::HALF;
 use crate::answer::cell_row::{CellRow, SAME_SURFACES, blend, is_same_surface};
+use crate::answer::confidence;
 use crate::answer::evidence::Worth;
 use crate::answer::median::{MOST_DOUBTFUL, confidences, medians};
 use crate::answer::neighbourhood::{words, words_of};
@@ -27,10 +28,6 @@ const GUESS: u32 = 8;
 /// What seems to lie so much further right in the right view than something that is right of it in the left view, px, is
 /// doubtful.
 const OUT_OF_ORDER: i32 = 8;
-
-/// Confidence of the border of a surface before a farther one: less than what is sure, and no less than what is sure but for
-/// where its surface ends.
-const MOST_AT_BORDER: u8 = 56;
 
 /// From this difference of labels on the border is doubtful; 2 px are a jump.
 const LEAST_STEP: u8 = 4;
@@ -222,7 +219,7 @@ impl<const WORDS: usize> AnswerRow<WORDS> {
     fn doubt_border(&mut self, [before, after]: [u8; 2], end: usize) {
         if before >= after.saturating_add(LEAST_STEP) {
             let columns = self.confidence.0.as_flattened_mut().get_mut(end - 2..end);
-            columns.into_iter().flatten().for_each(|certain| *certain = (*certain).min(MOST_AT_BORDER));
+            columns.into_iter().flatten().for_each(|certain| *certain = (*certain).min(confidence::FRINGE));
         }
     }
 

@@ -4,7 +4,7 @@
 //! scatter: each is refuted by the points around it.
 #![allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "columns are below 1280")]
 
-use crate::answer::confidence::Merit;
+use crate::answer::merit::Merit;
 use crate::front_end::camera_view::Row;
 use crate::lanes::rows::load;
 use crate::lanes::{ONES, difference, sad, select_ge, splat};

@@ -1,6 +1,7 @@
 //! Medians of the labels over 3 x 3 cells, and confidence from their merits: four cells a word.
 
 use crate::answer::cell_row::CellRow;
+use crate::answer::confidence;
 use crate::answer::evidence::{FRINGE, NEVER_SURE};
 use crate::answer::neighbourhood::{along, means_around, words, words_mut, words_of};
 use crate::lanes::{ONES, add, max, min, min_max, select_ge, splat, sub};
@@ -10,13 +11,13 @@ const MOST_STEPS: u32 = 5;
 /// What a cell pays that cannot be sure, in merit.
 const DOUBT: u32 = 40;
 /// Least confidence of a sure answer.
-const SURE: u32 = 64;
+const SURE: u32 = confidence::SURE as u32;
 /// Confidence of what is sure but for its being a fringe.
 const SURE_FRINGE: u32 = 60;
 /// Most confidence of anything else that is not sure.
-pub(super) const MOST_DOUBTFUL: u32 = 55;
+pub(super) const MOST_DOUBTFUL: u32 = confidence::FRINGE as u32 - 1;
 /// Least confidence of a measured answer.
-const MEASURED: u32 = 16;
+const MEASURED: u32 = confidence::MEASURED as u32;
 
 /// Of each cell of the middle one of three rows: the median of nine labels, and what it pays in merit for their spread.
 #[inline(never)]

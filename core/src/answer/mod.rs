@@ -4,11 +4,12 @@
 pub(crate) mod answer_row;
 pub(crate) mod cell;
 pub(crate) mod cell_row;
-pub(crate) mod confidence;
+pub mod confidence;
 pub mod disparity;
 pub(crate) mod evidence;
 pub(crate) mod linkage;
 pub(crate) mod median;
+pub(crate) mod merit;
 pub(crate) mod neighbourhood;
 pub(crate) mod repetition;
 pub(crate) mod right_view;

@@ -1,7 +1,7 @@
 //! The method `contour`: contours of both views, matched (the paper's S2 and S3).
 
-use crate::answer::confidence::Merit;
 use crate::answer::linkage::{Links, PointRows};
+use crate::answer::merit::Merit;
 use crate::front_end::camera_view::{Row, replicate_borders, words_for};
 use crate::front_end::contour_line::ContourLine;
 use crate::front_end::scales::Scales;

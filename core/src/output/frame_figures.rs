@@ -6,6 +6,7 @@
 //! every fourth row of cells. Noise raises both sums, so that one limit does for all light.
 
 use crate::ScanlinePair;
+use crate::answer::confidence::SURE;
 use crate::answer::evidence::Floor;
 use crate::lanes::{add_halves, sad_add, select_ge_halves, splat_half};
 
@@ -23,8 +24,6 @@ const SURE_PART: u16 = 10;
 const LEAST_WINDOWS: u32 = 48;
 /// One of so many rows of tiles is looked at.
 const SAMPLING: u32 = 2;
-/// Least confidence of a sure answer.
-const SURE: u8 = 64;
 
 /// What a frame is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]

@@ -12,6 +12,7 @@
 //! ([`Input::Mismatch`](super::frame_figures::Input)). One block is compared with each row that comes.
 #![allow(clippy::cast_possible_truncation, clippy::cast_possible_wrap, reason = "a few rows and pixels")]
 
+use crate::answer::confidence::SURE;
 use crate::lanes::lens_runs::copy;
 use crate::{DisparityRow, ScanlinePair};
 
@@ -23,8 +24,6 @@ const BESIDE: usize = 2;
 const ROWS: usize = SIDES[1] + 2 * BESIDE;
 /// Blocks of the widest view.
 const BLOCKS: usize = crate::Config::MAX_WIDTH as usize / SIDES[0];
-/// Least confidence of a sure answer.
-const SURE: u8 = 64;
 /// Most that answers of a block may differ, 1/16 px.
 const ALIKE: i32 = 16;
 /// Stands for a block whose answers are not.

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Result, ensure};
 use clap::ValueEnum;
-use haarline::obstacle::Settings;
+use haarline::confidence::SURE;
 use serde::Serialize;
 
 use super::shared::quoted;
@@ -152,7 +152,7 @@ impl Args {
         files: &[NamedFile],
     ) -> Result<Figures> {
         let BlankScore { pixels, answered, wrong } = rendering.blank_score(map, LEAST_DEFAULT_CONFIDENCE);
-        let sure = rendering.blank_score(map, Settings::SURE);
+        let sure = rendering.blank_score(map, SURE);
         let percent = |count: u64| 100.0 * count as f64 / pixels.max(1) as f64;
         Ok(Figures {
             method: self.method.name(),

@@ -1,5 +1,6 @@
 //! `haarline eval`: a method on scenes with known truth.
 
+use haarline::confidence::SURE;
 use std::path::PathBuf;
 use std::str::FromStr;
 
@@ -11,7 +12,6 @@ use super::shared::{Benchmark, JsonOutput, MethodOptions, progress};
 use crate::score::evaluation::{self, Evaluator, Evidence, Mean, Source};
 use crate::score::report::{Report, Treatment};
 use crate::score::scene::Region;
-use crate::score::sure::SURE;
 use crate::score::{Figure, MapScore, Score};
 
 /// Arguments of `haarline eval`.

@@ -1,7 +1,8 @@
 //! Disparity maps to look at: in colours with a legend, and in grey.
 
 use anyhow::Result;
-use haarline::obstacle::{MAX_SECTORS, Settings};
+use haarline::confidence::SURE;
+use haarline::obstacle::MAX_SECTORS;
 use image::{ExtendedColorType, Rgb, RgbImage};
 
 use super::colour_range::ColourRange;
@@ -51,13 +52,13 @@ pub fn encode(
 }
 
 /// The map, [enlarged](scale) if it is small, at the top left, the legend right of it. What is not sure
-/// ([`Settings::SURE`]) is dim.
+/// ([`SURE`]) is dim.
 #[must_use]
 pub fn draw(map: &DisparityMap, range: &ColourRange, geometry: Option<&Geometry>) -> RgbImage {
     let scale = scale(map.width);
     let mut picture = legend::draw([map.width as u32 * scale, map.height as u32 * scale], range, geometry);
     for (index, disparity) in map.disparity.iter().enumerate() {
-        let is_sure = map.confidence[index] >= Settings::SURE;
+        let is_sure = map.confidence[index] >= SURE;
         let shade = |colour| if is_sure { colour } else { dim(colour) };
         let colour = disparity.known().map(|bits| shade(range.colour(px(bits))));
         let (left, top) = ((index % map.width) as u32 * scale, (index / map.width) as u32 * scale);
@@ -100,13 +101,13 @@ mod tests {
             assert_eq!(scale(width), wanted, "{width} px");
         }
         let disparity = (0..96).map(Disparity::from_px).collect();
-        let map = DisparityMap { width: 96, height: 1, disparity, confidence: vec![Settings::SURE; 96] };
+        let map = DisparityMap { width: 96, height: 1, disparity, confidence: vec![SURE; 96] };
         let range = ColourRange::of(&map);
         let picture = draw(&map, &range, None);
         for (x, y) in [(0, 0), (3, 3), (4, 0), (383, 3)] {
             assert_eq!(*picture.get_pixel(x, y), range.colour(f64::from(x / 4)), "{x}, {y}");
         }
-        let doubtful = draw(&DisparityMap { confidence: vec![Settings::SURE - 1; 96], ..map }, &range, None);
+        let doubtful = draw(&DisparityMap { confidence: vec![SURE - 1; 96], ..map }, &range, None);
         let brightness = |picture: &RgbImage| picture.get_pixel(200, 0).0.iter().map(|&c| u32::from(c)).sum::<u32>();
         assert!(brightness(&doubtful) < brightness(&picture));
     }

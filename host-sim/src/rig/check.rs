@@ -2,8 +2,8 @@
 
 use anyhow::{Result, ensure};
 use haarline::align::{Estimate, Order, Verdict};
+use haarline::confidence::SURE;
 use haarline::frame_figures::Input;
-use haarline::obstacle::Settings;
 use haarline::{Rectification, StereoMethod};
 
 use super::align::{self, Displacement, PARTS, Parts};
@@ -113,7 +113,7 @@ impl Seen {
         let other = pipeline::run(method, &mirrored)?.map;
         for y in 0..size[1] {
             for x in 0..size[0] {
-                let is_sure = map.confidence[y * size[0] + x] >= Settings::SURE;
+                let is_sure = map.confidence[y * size[0] + x] >= SURE;
                 self.sure.count([x, y], size, is_sure);
                 let Some(bits) = map.at(x, y).known().filter(|_| is_sure) else { continue };
                 if let Some(agrees) = confirmed(&other, [x, y], px(bits)) {
@@ -130,7 +130,7 @@ impl Seen {
         self.frames += 1;
         self.inputs.extend(run.figures.map(|figures| figures.input).filter(|&input| input != Input::Ok));
         for (disparity, &confidence) in map.disparity.iter().zip(&map.confidence) {
-            let Some(bits) = disparity.known().filter(|_| confidence >= Settings::SURE) else { continue };
+            let Some(bits) = disparity.known().filter(|_| confidence >= SURE) else { continue };
             let bin = ((px(bits) - self.least_px) * BINS_A_PX as f64).floor();
             if let Some(bin) = self.histogram.get_mut(bin.max(0.0) as usize) {
                 *bin += 1;

@@ -1,5 +1,6 @@
 //! A method on many scenes: scored in parallel, with the same result whatever the number of threads.
 
+use haarline::confidence::SURE;
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -14,7 +15,7 @@ use crate::score::degrade::{Degradation, replace_right};
 use crate::score::map_file;
 use crate::score::obstacle_score::ObstacleScore;
 use crate::score::scene::{Region, Scene};
-use crate::score::sure::{SURE, SureScore};
+use crate::score::sure::SureScore;
 use crate::score::{MapScore, Score};
 use crate::stereo::disparity_map::DisparityMap;
 use crate::stereo::frame_check::FrameCheck;

@@ -1,18 +1,14 @@
 //! What a confidence is worth: how many answers are sure, and how many of these are wrong.
 //!
-//! An answer is *sure* from a confidence of [`SURE`] on. It is wrong if it is off by more than 2 px, and *near* if it
+//! An answer is *sure* from a confidence of [`haarline::confidence::SURE`] on. It is wrong if it is off by more than 2 px, and *near* if it
 //! is more than 2 px too great, so that things seem nearer than they are.
 
 use haarline::Disparity;
-use haarline::obstacle::Settings;
 use serde::Serialize;
 
 use super::{Q8_PER_STEP, error_q8};
 use crate::DisparityMap;
 use crate::score::scene::Truth;
-
-/// From this confidence on an answer is sure: what obstacles are made of.
-pub const SURE: u8 = Settings::SURE;
 
 /// What the sure answers of a map are worth. All are percentages; `None` is undefined.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]

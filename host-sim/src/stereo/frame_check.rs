@@ -6,9 +6,9 @@
 //! shows more than noise. Noise raises both sums, so that one limit does for all light.
 
 use haarline::Rectification;
+use haarline::confidence::SURE;
 use haarline::frame_figures::FrameFigures;
 pub use haarline::frame_figures::{Input, Trust};
-use haarline::obstacle::Settings;
 use serde::Serialize;
 
 use super::pipeline;
@@ -83,7 +83,7 @@ impl FrameCheck {
         } else {
             Input::Ok
         };
-        let sure = map.confidence.iter().filter(|&&confidence| confidence >= Settings::SURE).count();
+        let sure = map.confidence.iter().filter(|&&confidence| confidence >= SURE).count();
         let share_sure = 100.0 * sure as f64 / map.confidence.len().max(1) as f64;
         Self { input_ok: input == Input::Ok, input, mismatch_percent, share_sure, row_error_px: None }
     }

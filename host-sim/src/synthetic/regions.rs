@@ -1,6 +1,6 @@
 //! What a method makes of the parts of a rendered scene: each layer, and what only the left view sees.
 
-use haarline::obstacle::Settings;
+use haarline::confidence::SURE;
 use serde::Serialize;
 
 use super::Rendering;
@@ -34,7 +34,7 @@ impl RegionScore {
         for index in (0..map.disparity.len()).filter(|&index| index % map.width >= first && holds(index)) {
             let error = error_q8(map.disparity[index], rendering.truth.disparity_q8[index]);
             let is_wrong = error.is_some_and(|error| error > 512);
-            let is_sure = error.is_some() && map.confidence[index] >= Settings::SURE;
+            let is_sure = error.is_some() && map.confidence[index] >= SURE;
             pixels += 1;
             answered += u64::from(error.is_some());
             wrong += u64::from(is_wrong);

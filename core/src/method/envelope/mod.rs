@@ -1,8 +1,8 @@
 //! The method `envelope`: intensity envelopes of both views, matched (the paper's S1).
 #![allow(clippy::needless_range_loop, reason = "words of several rows at one number")]
 
-use crate::answer::confidence::Merit;
 use crate::answer::linkage::{Links, PointRows};
+use crate::answer::merit::Merit;
 use crate::front_end::camera_view::Row;
 use crate::lanes::rows::FLIP;
 use crate::matching::extremum::Minimum;

@@ -1,7 +1,8 @@
 extern crate std;
 
+use super::lane::Camera;
 use super::*;
-use crate::{Depth, Disparity};
+use crate::{Depth, Disparity, DisparityRow, Rig, blocks_for};
 use core::ops::Range;
 use proptest::prelude::*;
 use std::vec::Vec;
@@ -207,6 +208,27 @@ fn a_gap_in_which_something_may_be_hidden_makes_a_sector_unknown() {
     assert_eq!(told_of(72..88, 68..84, 2.0, 8)[4], None);
     let high = finder(Mounting { highest_mm: 2000, ..mounting(300, 0.0) });
     assert_eq!(told_by(high, 72..88, 60..80, 2.0, 8)[4], Some(3000));
+}
+
+#[test]
+fn what_few_rows_tell_when_others_tell_something_farther_is_unknown() {
+    // Sure before a wall at 2 px, six columns of blocks wide, so many rows high: the first row makes no chain.
+    let high = Mounting { highest_mm: 2000, ..mounting(300, 0.0) };
+    let middle = |rows: usize, px: f64| told_by(finder(high), 68..92, 40..40 + 4 * rows, px, 64)[4];
+    assert_eq!([2, 3, 4].map(|rows| middle(rows, 3.25)), [None, None, Some(1846)]);
+    // A wall of no more rows than the thing.
+    assert_eq!(told_of(68..92, 52..64, 3.25, 64)[4], Some(1846));
+    // What is no nearer than by a sixth counts as the same.
+    assert_eq!(middle(2, 2.25), Some(2666));
+    // From 3.5 px on it is told, unless a sector beside it is unknown; from 4 px on it is told.
+    let beside_unknown = |px: f64| {
+        let seen = map(|x, y| {
+            let is_thing = (68..88).contains(&x) && (52..60).contains(&y);
+            if is_thing { Some(px) } else { (x < 88).then_some(2.0) }
+        });
+        find(&mut finder(high), &seen)[4]
+    };
+    assert_eq!([middle(2, 3.75), beside_unknown(3.75), beside_unknown(4.25)], [Some(1600), None, Some(1411)]);
 }
 
 #[test]
