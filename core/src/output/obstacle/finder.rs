@@ -125,13 +125,13 @@ impl<const SECTORS: usize, const BLOCKS: usize> Obstacles<SECTORS, BLOCKS> {
         used.map(move |((weighing, beside), clearance)| clearance.is_free() && weighing.is_free(limit, beside, height))
     }
 
-    /// What was weighed in each sector, and in those beside it.
-    fn with_beside(&self) -> impl Iterator<Item = (&Weighing, impl Iterator<Item = &Weighing> + Clone)> {
+    /// What was weighed in each sector, and in those left and right of it.
+    fn with_beside(&self) -> impl Iterator<Item = (&Weighing, [Option<&Weighing>; 2])> {
         let used = self.weighings.get(..self.sectors.count).unwrap_or(&[]);
-        used.iter().enumerate().map(move |(sector, weighing)| {
-            let beside = [sector.checked_sub(1), sector.checked_add(1)].into_iter().flatten();
-            (weighing, beside.filter_map(move |beside| used.get(beside)))
-        })
+        let at = |sector: Option<usize>| sector.and_then(|sector| used.get(sector));
+        used.iter()
+            .enumerate()
+            .map(move |(sector, weighing)| (weighing, [at(sector.checked_sub(1)), at(sector.checked_add(1))]))
     }
 
     /// Extends the chains by a row of blocks, and reports those that are believed.

@@ -171,10 +171,14 @@ fn told_of(columns: Range<usize>, rows: Range<usize>, px: f64, confidence: u8) -
 }
 
 /// The same by a finder of another mounting.
-fn told_by(mut finder: Finder, columns: Range<usize>, rows: Range<usize>, px: f64, confidence: u8) -> Vec<Option<u32>> {
-    let is_thing = |x: usize, y: usize| columns.contains(&x) && rows.contains(&y);
-    for (y, disparity) in map(|x, y| Some(if is_thing(x, y) { px } else { 2.0 })).iter().enumerate() {
-        let confidence: [u8; WIDTH] = std::array::from_fn(|x| if is_thing(x, y) { confidence } else { 200 });
+fn told_by(finder: Finder, columns: Range<usize>, rows: Range<usize>, px: f64, confidence: u8) -> Vec<Option<u32>> {
+    told(finder, |x, y| if columns.contains(&x) && rows.contains(&y) { (px, confidence) } else { (2.0, 200) })
+}
+
+/// What is told of a map of disparities, px, and confidences.
+fn told(mut finder: Finder, answer: impl Fn(usize, usize) -> (f64, u8)) -> Vec<Option<u32>> {
+    for (y, disparity) in map(|x, y| Some(answer(x, y).0)).iter().enumerate() {
+        let confidence: [u8; WIDTH] = std::array::from_fn(|x| answer(x, y).1);
         finder.push(&DisparityRow { y: u32::try_from(y).unwrap(), disparity, confidence: &confidence });
     }
     finder.nearest_mm().collect()
@@ -194,8 +198,12 @@ fn many_doubtful_answers_nearer_than_what_is_sure_make_a_sector_unknown() {
     assert_eq!(told_of(76..80, 52..68, 10.0, 40)[4], Some(3000));
     assert_eq!(told_of(60..100, 56..60, 10.0, 40)[4], Some(3000));
     // The sectors beside tell what stands in them, unless that may be its outline.
-    let unknown = |px: f64| told_of(72..80, 52..68, px, 40).iter().filter(|mm| mm.is_none()).count();
-    assert_eq!([unknown(5.0), unknown(3.0)], [1, 3]);
+    let unknown = |wall: f64, px: f64| {
+        let is_thing = |x, y| (72..80).contains(&x) && (36..84).contains(&y);
+        let told = told(finder(mounting(300, 0.0)), |x, y| if is_thing(x, y) { (px, 40) } else { (wall, 200) });
+        told.iter().filter(|mm| mm.is_none()).count()
+    };
+    assert_eq!([unknown(4.25, 6.0), unknown(2.0, 3.0), unknown(2.0, 5.0)], [1, 3, 1]);
 }
 
 #[test]
@@ -222,11 +230,11 @@ fn what_few_rows_tell_when_others_tell_something_farther_is_unknown() {
     assert_eq!(middle(2, 2.25), Some(2666));
     // From 3.5 px on it is told, unless a sector beside it is unknown; from 4 px on it is told.
     let beside_unknown = |px: f64| {
-        let seen = map(|x, y| {
-            let is_thing = (68..88).contains(&x) && (52..60).contains(&y);
-            if is_thing { Some(px) } else { (x < 88).then_some(2.0) }
-        });
-        find(&mut finder(high), &seen)[4]
+        told(finder(high), |x, y| match x {
+            68..88 if (52..60).contains(&y) => (px, 64),
+            0..88 => (2.0, 200),
+            _ => (2.0, 8),
+        })[4]
     };
     assert_eq!([middle(2, 3.75), beside_unknown(3.75), beside_unknown(4.25)], [Some(1600), None, Some(1411)]);
 }

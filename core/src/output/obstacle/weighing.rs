@@ -108,25 +108,20 @@ impl Weighing {
         self.most_unseen = self.most_unseen.max(self.unseen);
     }
 
-    /// Distance of the nearest that is believed, mm, if nothing may be nearer. `beside` are the sectors beside it.
-    pub(super) fn told_mm<'a>(&self, beside: impl Iterator<Item = &'a Self> + Clone, height: RowHeight) -> Option<u32> {
+    /// Distance of the nearest that is believed, mm, if nothing may be nearer. `beside` are the sectors left and right of it.
+    pub(super) fn told_mm(&self, beside: [Option<&Self>; 2], height: RowHeight) -> Option<u32> {
         let mm = self.nearest_mm;
         (mm != Self::UNKNOWN_MM && !self.may_hold_nearer(mm, beside, height)).then_some(mm)
     }
 
     /// Whether nothing was found up to `mm`, nor may be there.
-    pub(super) fn is_free<'a>(
-        &self,
-        mm: u32,
-        beside: impl Iterator<Item = &'a Self> + Clone,
-        height: RowHeight,
-    ) -> bool {
+    pub(super) fn is_free(&self, mm: u32, beside: [Option<&Self>; 2], height: RowHeight) -> bool {
         self.nearest_mm >= mm && !self.may_hold_nearer(mm, beside, height)
     }
 
     /// Whether something may be nearer than `mm`, which is no farther than the nearest that is believed.
-    fn may_hold_nearer<'a>(&self, mm: u32, beside: impl Iterator<Item = &'a Self> + Clone, height: RowHeight) -> bool {
-        self.is_in_doubt(mm) || self.may_be_outline(mm, beside, height) || self.may_hide(mm, height)
+    fn may_hold_nearer(&self, mm: u32, beside: [Option<&Self>; 2], height: RowHeight) -> bool {
+        self.is_in_doubt(mm) || self.may_hide(mm, height) || self.may_be_outline(mm, beside, height)
     }
 
     /// Whether it is in doubt that nothing is nearer than `mm`.
@@ -135,26 +130,24 @@ impl Weighing {
     }
 
     /// Whether what is at `mm` may be a mean of the outline of something and of what is behind that: of something in the sector
-    /// beside it, an eighth to a half nearer; or it is told by few rows, and a sector beside it is unknown or it is so far
+    /// beside it, an eighth to a half nearer; or few rows tell of it, and a sector beside it is unknown, or it is so far away
     /// that outline and wall are hardly two surfaces.
-    fn may_be_outline<'a>(
-        &self,
-        mm: u32,
-        mut beside: impl Iterator<Item = &'a Self> + Clone,
-        height: RowHeight,
-    ) -> bool {
-        // Surfaces whose disparities differ by less than a block are not told apart: from 4 px down, and from 3.5 px.
-        let is_far = height.reaches(1, mm, 1);
-        let is_farther = height.reaches(7, mm, 8);
+    fn may_be_outline(&self, mm: u32, beside: [Option<&Self>; 2], height: RowHeight) -> bool {
+        // Surfaces whose disparities differ by less than a block are not told apart: from 4 px down; hardly from 3.5 px.
+        if !height.reaches(1, mm, 1) {
+            return false;
+        }
         let is_of_few = self.nearest_rows < Self::FEW_ROWS && u16::from(self.nearest_rows) < self.sure;
-        is_far
-            && (is_of_few && (is_farther || beside.clone().any(Self::is_unknown))
-                || beside.any(|beside| beside.may_hold(mm / 2..mm - mm / 8)))
+        is_of_few && height.reaches(7, mm, 8)
+            || beside
+                .into_iter()
+                .flatten()
+                .any(|beside| beside.may_hold(mm / 2..mm - mm / 8) || is_of_few && beside.is_unknown(height))
     }
 
-    /// Whether nothing is believed, or something nearer than that is in doubt.
-    fn is_unknown(&self) -> bool {
-        self.nearest_mm == Self::UNKNOWN_MM || self.is_in_doubt(self.nearest_mm)
+    /// Whether something nearer than what is believed, if anything is, may be there.
+    fn is_unknown(&self, height: RowHeight) -> bool {
+        self.is_in_doubt(self.nearest_mm) || self.may_hide(self.nearest_mm, height)
     }
 
     /// Whether something may be at one of the distances, mm.
