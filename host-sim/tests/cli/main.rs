@@ -9,6 +9,8 @@
 
 mod align;
 mod bad_input;
+mod bad_scenes;
+mod bad_views;
 mod bench;
 mod cases;
 mod contours;
