@@ -24,7 +24,7 @@ pub struct Settings {
     /// as the wall behind it. 0: never.
     pub doubtful_blocks: u8,
     /// From this distance over the ground on, mm, a sector in which nothing is in the way may be told to be free
-    /// ([`Obstacles::free`]); 0: never.
+    /// ([`Obstacles::free`](super::Obstacles::free)); 0: never.
     pub free_beyond_mm: u32,
 }
 
