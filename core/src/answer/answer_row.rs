@@ -18,8 +18,8 @@ use crate::answer::neighbourhood::{words, words_of};
 use crate::answer::right_view::{RightView, Stretch, columns};
 use crate::front_end::camera_view::Row;
 use crate::lanes::answer_rows::{PlanePairs, WordAligned, down_bits, lay_planes, raised, write_moved};
-use crate::lanes::rows::window_sad;
 use crate::lanes::smoothing::Values;
+use crate::lanes::windows::{strongest_window, window_sad};
 use crate::lanes::{ONES, difference, min, select_ge, splat, splat_half};
 use crate::{Config, Disparity};
 
@@ -29,8 +29,12 @@ const GUESS: u32 = 8;
 /// doubtful.
 const OUT_OF_ORDER: i32 = 8;
 
-/// From this difference of labels on the border is doubtful; 2 px are a jump.
+/// From this difference of labels on the right border is doubtful; 2 px are a jump.
 const LEAST_STEP: u8 = 4;
+/// The contour of a nearer surface lies within so many columns of where it seems to begin, and one for each px that it is
+/// nearer, as many as may be hidden, up to [`MOST_HIDDEN`].
+const CONTOUR_REACH: usize = 6;
+const MOST_HIDDEN: usize = 10;
 
 /// Confidence comes in steps of so much.
 const STEP: u32 = 8;
@@ -58,6 +62,8 @@ pub(crate) struct Sources<'a, const WORDS: usize> {
     /// What the cells are worth, and the merit from which on an answer is sure.
     pub(crate) worth: &'a Worth<WORDS>,
     pub(crate) sure: u32,
+    /// The byte of a feature that is zero.
+    pub(crate) zero: u32,
 }
 
 impl<const WORDS: usize> AnswerRow<WORDS> {
@@ -150,8 +156,9 @@ impl<const WORDS: usize> AnswerRow<WORDS> {
                     continue;
                 };
                 let end = self.choose_at(config, sources, [far, near], c, &mut halves);
-                self.doubt_border([far, near], end);
                 if far < near {
+                    let reach = CONTOUR_REACH + usize::from(near - far).min(MOST_HIDDEN);
+                    self.doubt_left_border(sources, end..(end + reach).min(4 * cells - 1));
                     let jump = right_view.around(config, c, far, near);
                     if jump.from > stretch.to {
                         self.hide(&mut right_view, stretch, &halves);
@@ -159,6 +166,8 @@ impl<const WORDS: usize> AnswerRow<WORDS> {
                     } else {
                         stretch = stretch.with(jump, done..cells);
                     }
+                } else {
+                    self.doubt_right_border([far, near], end);
                 }
             }
         }
@@ -216,10 +225,33 @@ impl<const WORDS: usize> AnswerRow<WORDS> {
 
     /// Where a nearer surface ends on its right, before column `end`, is not sure: answers reach over it by two columns.
     #[inline(always)]
-    fn doubt_border(&mut self, [before, after]: [u8; 2], end: usize) {
+    fn doubt_right_border(&mut self, [before, after]: [u8; 2], end: usize) {
         if before >= after.saturating_add(LEAST_STEP) {
-            let columns = self.confidence.0.as_flattened_mut().get_mut(end - 2..end);
-            columns.into_iter().flatten().for_each(|certain| *certain = (*certain).min(confidence::FRINGE));
+            self.doubt_border(end - 2..end);
+        }
+    }
+
+    /// Where a nearer surface seems to begin, at the first of some columns, is not sure: what the right view does not see is
+    /// taken for it, up to its contour. That is the strongest one within the columns, of windows of four around each.
+    #[inline(never)]
+    fn doubt_left_border(&mut self, sources: &Sources<'_, WORDS>, columns: Range<usize>) {
+        // A window begins two columns before its middle; the margin has four.
+        let windows = columns.start + 3..columns.end + 2;
+        let contour = strongest_window(&sources.left[0], splat(sources.zero), windows) - 2;
+        self.doubt_border(columns.start..contour);
+    }
+
+    /// Takes columns for a border of a surface.
+    #[inline(never)]
+    fn doubt_border(&mut self, columns: Range<usize>) {
+        let mut column = columns.start;
+        while let Some(confidence) = self.confidence.0.get_mut(column / 4).filter(|_| column < columns.end) {
+            let next = column / 4 * 4 + 4;
+            // Nothing is limited before the first column and from the last on.
+            let most = splat(confidence::FRINGE.into()) | !(u32::MAX << (8 * (column % 4)));
+            let beyond = if columns.end < next { u32::MAX << (8 * (columns.end % 4)) } else { 0 };
+            limit(confidence, most | beyond);
+            column = next;
         }
     }
 
@@ -241,26 +273,25 @@ impl<const WORDS: usize> AnswerRow<WORDS> {
             let at = |label: u8| (column - i32::from(label)).cast_unsigned() as usize;
             let here = column - i32::from(b);
             if here > leftmost + OUT_OF_ORDER {
-                limit(confidence, MOST_DOUBTFUL);
+                limit(confidence, splat(MOST_DOUBTFUL));
             }
             leftmost = leftmost.min(here);
-            if a == b {
-                right_view.claim(at(a), a, u32::MAX);
-            } else {
-                right_view.claim(at(a), a, LEFT);
+            let mut columns = u32::MAX;
+            if a != b {
                 right_view.claim(at(b), b, !LEFT);
+                columns = LEFT;
             }
+            right_view.claim(at(a), a, columns);
         }
         let (mut first_hidden, mut seen_before) = (None, cells.start.checked_sub(1));
         // What lies after the last jump is nearer than all before it.
         let cells = stretch.from..stretch.near.min(stretch.to);
         for ((c, (&a, &b)), column) in cells.clone().zip(left.iter().zip(right)).zip(columns(cells.clone(), origin)) {
             let at = |label: u8| (column - i32::from(label)).cast_unsigned() as usize;
-            let mask = if a == b {
-                right_view.hidden(at(a), a)
-            } else {
-                right_view.hidden(at(a), a) & LEFT | right_view.hidden(at(b), b) & !LEFT
-            };
+            let mut mask = right_view.hidden(at(a), a);
+            if a != b {
+                mask = mask & LEFT | right_view.hidden(at(b), b) & !LEFT;
+            }
             if mask == 0 {
                 if let Some(first) = first_hidden.take() {
                     self.fill(first..c, seen_before, right_view.cells());
@@ -306,7 +337,7 @@ impl<const WORDS: usize> AnswerRow<WORDS> {
         for (label, confidence) in median[cells.clone()].iter().zip(&mut self.confidence.0[cells]) {
             let agrees = |other: Option<&u8>| other.is_some_and(|other| other.abs_diff(*label) <= NEAR);
             if !(agrees(before) && agrees(after)) {
-                limit(confidence, GUESS);
+                limit(confidence, splat(GUESS));
             }
         }
     }
@@ -318,10 +349,6 @@ impl<const WORDS: usize> AnswerRow<WORDS> {
         let before = seen_before.map(|c| (self.pixels[c][1] >> 16) as i16);
         let next = hidden.end;
         let after = (next < cells).then(|| self.pixels[next][0] as i16);
-        if next < cells {
-            // Its window reaches into what is hidden.
-            limit(&mut self.confidence.0[next], MOST_DOUBTFUL);
-        }
         let Some(farther) = before.into_iter().chain(after).min() else { return };
         let value = pair_of(farther.into());
         for c in hidden {
@@ -354,7 +381,7 @@ impl<const WORDS: usize> AnswerRow<WORDS> {
 /// Limits the confidence of the four columns of a cell.
 #[inline(always)]
 fn limit(confidence: &mut [u8; 4], most: u32) {
-    *confidence = min(u32::from_le_bytes(*confidence), splat(most)).to_le_bytes();
+    *confidence = min(u32::from_le_bytes(*confidence), most).to_le_bytes();
 }
 
 /// The value of a cell that takes the label of its neighbours, and its slope along the row.
@@ -380,4 +407,25 @@ const fn pair(low: i32, high: i32) -> u32 {
 #[inline(always)]
 const fn pair_of(value: i32) -> u32 {
     pair(value, value)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_border_is_limited_from_its_first_column_to_its_last() {
+        for (columns, limited) in
+            [(5..11, 5..11), (6..8, 6..8), (4..16, 4..16), (7..7, 0..0), (8..8, 0..0), (18..30, 18..20)]
+        {
+            let mut row = AnswerRow::<5>::EMPTY;
+            row.confidence.0 = [[200, 50, 200, 120]; 5];
+            row.doubt_border(columns.clone());
+            for (column, &certain) in row.confidence.0.as_flattened().iter().enumerate() {
+                let before = [200, 50, 200, 120][column % 4];
+                let expected = if limited.contains(&column) { before.min(confidence::FRINGE) } else { before };
+                assert_eq!(certain, expected, "column {column} of {columns:?}");
+            }
+        }
+    }
 }

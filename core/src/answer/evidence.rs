@@ -57,9 +57,9 @@ impl Floor {
         let is_noisy = noise.level >= SmoothingLevel::Medium;
         let floor = if is_noisy { floor / 2 } else { floor };
         let sure = match (noise.level, agreement) {
-            (SmoothingLevel::Off, true) => 118,
+            (SmoothingLevel::Off, true) => 116 + (floor - LEAST) / 16,
             (SmoothingLevel::Light, true) => 136,
-            (SmoothingLevel::Medium, true) => 147 + 7 * floor / 20,
+            (SmoothingLevel::Medium, true) => 145 + 7 * floor / 20,
             (SmoothingLevel::Strong, true) => 180,
             (SmoothingLevel::Off, false) => 89,
             (SmoothingLevel::Light | SmoothingLevel::Medium, false) => 100,

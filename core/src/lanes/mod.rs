@@ -30,6 +30,7 @@ pub(crate) mod rows;
 pub(crate) mod sevens;
 pub(crate) mod smoothing;
 pub(crate) mod trials;
+pub(crate) mod windows;
 
 /// What is read and written from here on without another check must lie within its rows: else the program ends. In one place for
 /// all, since each of its own takes flash.

@@ -2,7 +2,7 @@
 #![cfg_attr(haarline_dsp, expect(unsafe_code, reason = "a loop whose figures all stay in registers"))]
 #![allow(clippy::cast_possible_truncation, reason = "rows are below 4096 bytes")]
 
-use crate::lanes::rows::Window;
+use crate::lanes::windows::Window;
 
 /// A contour.
 #[derive(Debug, Clone, Copy)]

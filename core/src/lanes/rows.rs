@@ -12,8 +12,6 @@ use super::{gradient_across_fours, gradient_down_fours};
 
 #[cfg(haarline_sse2)]
 pub(crate) use super::x86_64::rows::haar_peaks_of_pairs;
-#[cfg(haarline_sse2)]
-use super::x86_64::tile::tile_sads;
 
 /// Flips unsigned bytes, 0 to 255, to signed ones, -128 to 127, and back.
 pub(crate) const FLIP: u32 = 0x8080_8080;
@@ -23,7 +21,7 @@ pub(crate) const FLIP: u32 = 0x8080_8080;
 /// # Safety
 /// `byte + 4` must not exceed the row's length in bytes.
 #[inline(always)]
-unsafe fn word(row: &[u32], byte: usize) -> u32 {
+pub(super) unsafe fn word(row: &[u32], byte: usize) -> u32 {
     debug_assert!(byte + 4 <= 4 * row.len());
     // SAFETY: within the row, as the caller promises.
     let word = unsafe { row.as_ptr().cast::<u8>().add(byte).cast::<u32>().read_unaligned() };
@@ -255,130 +253,6 @@ fn pair_means(word: u32, next: u32, flip: u32) -> u32 {
     signed_halved_sum(word, word >> 8 | next << 24) ^ flip
 }
 
-/// Sums of absolute differences of the four cells of a tile, 4 x 2 px each: left and right of the upper two rows, then of the
-/// lower two. `None` where the right window lies outside its rows.
-///
-/// - `left`: first word of the tile; `right`: first byte of what it is compared with.
-#[inline(always)]
-pub(crate) fn tile_sad<const BLOCKS: usize>(
-    left_rows: &[[u32; BLOCKS]; 4],
-    left: usize,
-    right_rows: &[[u32; BLOCKS]; 4],
-    right: usize,
-) -> [u32; 4] {
-    demand(left + 2 <= BLOCKS && right + 8 <= 4 * BLOCKS);
-    #[cfg(haarline_dsp)]
-    if BLOCKS <= super::MOST_TILE_SAD_WORDS {
-        let (first, other) = (left_rows.as_flattened().as_ptr(), right_rows.as_flattened().as_ptr());
-        // SAFETY: checked above; the four rows lie one behind the other.
-        return unsafe { super::tile_sad_words::<BLOCKS>(first.add(left), other.cast::<u8>().add(right)) };
-    }
-    #[cfg(haarline_sse2)]
-    {
-        // SAFETY: checked above.
-        let [[upper, lower]] = unsafe { tile_sads(left_rows, left, right_rows, right) };
-        [upper & 0xffff, upper >> 16, lower & 0xffff, lower >> 16]
-    }
-    #[cfg(not(haarline_sse2))]
-    tile_sad_by_words(left_rows, left, right_rows, right)
-}
-
-/// [`tile_sad`] by words.
-#[inline(always)]
-fn tile_sad_by_words<const BLOCKS: usize>(
-    left_rows: &[[u32; BLOCKS]; 4],
-    left: usize,
-    right_rows: &[[u32; BLOCKS]; 4],
-    right: usize,
-) -> [u32; 4] {
-    demand(left + 2 <= BLOCKS && right + 8 <= 4 * BLOCKS);
-    let mut sums = [0; 4];
-    for (y, (a, b)) in left_rows.iter().zip(right_rows).enumerate() {
-        // SAFETY: checked above.
-        let (first, second) = unsafe { (word(b, right), word(b, right + 4)) };
-        let cells = 2 * (y / 2);
-        sums[cells] = sad_add(a[left], first, sums[cells]);
-        sums[cells + 1] = sad_add(a[left + 1], second, sums[cells + 1]);
-    }
-    sums
-}
-
-/// [`tile_sad`] at three windows, each a byte further right; the two cells of either row of cells in a word.
-///
-/// - `left`: first word of the tile; `right`: first byte of the first window.
-#[inline(always)]
-pub(crate) fn tile_sads_around<const BLOCKS: usize>(
-    left_rows: &[[u32; BLOCKS]; 4],
-    left: usize,
-    right_rows: &[[u32; BLOCKS]; 4],
-    right: usize,
-) -> [[u32; 2]; 3] {
-    demand(left + 2 <= BLOCKS && right + 10 <= 4 * BLOCKS);
-    #[cfg(haarline_dsp)]
-    if BLOCKS <= super::MOST_TILE_SAD_WORDS {
-        let (first, other) = (left_rows.as_flattened().as_ptr(), right_rows.as_flattened().as_ptr());
-        // SAFETY: checked above; the four rows lie one behind the other.
-        return unsafe { super::tile_sads_around_words::<BLOCKS>(first.add(left), other.cast::<u8>().add(right)) };
-    }
-    // SAFETY: checked above.
-    #[cfg(haarline_sse2)]
-    return unsafe { tile_sads(left_rows, left, right_rows, right) };
-    #[cfg(not(haarline_sse2))]
-    [0, 1, 2].map(|step| {
-        let [a, b, c, d] = tile_sad(left_rows, left, right_rows, right + step);
-        [a | b << 16, c | d << 16]
-    })
-}
-
-/// Sum of absolute differences of windows of 4 x 2 columns, that begin at any byte. All rows must be equally long.
-#[inline(always)]
-pub(crate) fn window_sad(left_rows: [&[u32]; 2], left: usize, right_rows: [&[u32]; 2], right: usize) -> u32 {
-    let mut sum = 0;
-    for (a, b) in left_rows.into_iter().zip(right_rows) {
-        demand(left + 4 <= 4 * a.len() && right + 4 <= 4 * b.len());
-        // SAFETY: checked above.
-        sum = unsafe { sad_add(word(a, left), word(b, right), sum) };
-    }
-    sum
-}
-
-/// A window of 8 columns of two rows, that begins at any byte.
-#[derive(Clone, Copy)]
-#[repr(transparent)]
-pub(crate) struct Window([u32; 4]);
-
-impl Window {
-    /// The window at a byte of two rows.
-    #[inline(always)]
-    pub(crate) fn of<const WORDS: usize>(rows: &[[u32; WORDS]; 2], byte: usize) -> Self {
-        demand(byte + 8 <= 4 * WORDS);
-        let [a, b] = rows;
-        // SAFETY: checked above.
-        unsafe { Self([word(a, byte), word(a, byte + 4), word(b, byte), word(b, byte + 4)]) }
-    }
-
-    /// Sum of absolute differences to the window at a byte of two rows.
-    #[inline(always)]
-    pub(crate) fn sad<const WORDS: usize>(&self, rows: &[[u32; WORDS]; 2], byte: usize) -> u32 {
-        demand(byte + 8 <= 4 * WORDS);
-        // SAFETY: checked above; the rows lie one behind the other.
-        #[cfg(haarline_dsp)]
-        return unsafe { super::window_sad_words::<WORDS>(&self.0, rows.as_ptr().cast::<u8>().add(byte)) };
-        #[cfg(haarline_sse2)]
-        return super::x86_64::rows::sad_of_four(self.0, Self::of(rows, byte).0);
-        #[cfg(not(any(haarline_dsp, haarline_sse2)))]
-        self.sad_by_words(Self::of(rows, byte))
-    }
-
-    /// [`Self::sad`] by words.
-    #[cfg(not(any(haarline_dsp, haarline_sse2)))]
-    #[inline(always)]
-    fn sad_by_words(self, other: Self) -> u32 {
-        let ([a, b, c, d], [e, f, g, h]) = (self.0, other.0);
-        sad_add(d, h, sad_add(c, g, sad_add(b, f, super::sad(a, e))))
-    }
-}
-
 /// The word at any byte of a row; all bits set where it lies outside.
 #[inline(always)]
 pub(crate) fn load(row: &[u32], byte: usize) -> u32 {
@@ -497,4 +371,4 @@ pub(crate) fn least_of_three(row: &[u32], byte: usize) -> u32 {
 
 #[cfg(test)]
 #[allow(clippy::cast_possible_truncation, reason = "lanes are cut out of words by number")]
-mod tests;
+pub(super) mod tests;

@@ -6,7 +6,7 @@
 #![allow(clippy::cast_possible_truncation, reason = "tiles are below 4096, places below 16")]
 
 #[cfg(not(haarline_sse2))]
-use crate::lanes::rows::tile_sad;
+use crate::lanes::windows::tile_sad;
 #[cfg(haarline_sse2)]
 use crate::lanes::x86_64::tile::TileQuads;
 use crate::lanes::{choose, demand};
@@ -235,7 +235,8 @@ mod tests {
             for (place, &label) in wanted[..len].iter().enumerate() {
                 assert_eq!(trials.place_of(label), place);
                 let trial = trials.at(place);
-                let [a, b, c, d] = crate::lanes::rows::tile_sad(&left, 2 * tile + 1, &right, origin - label as usize);
+                let [a, b, c, d] =
+                    crate::lanes::windows::tile_sad(&left, 2 * tile + 1, &right, origin - label as usize);
                 assert_eq!((Trial::label_of(trial.key), Trial::sum_of(trial.key)), (label, a + b + c + d));
                 assert_eq!(trial.cells, [a | b << 16, c | d << 16]);
                 assert_eq!(trials.of(trial.key).key, trial.key);

@@ -13,7 +13,7 @@ use crate::answer::cell::{Cell, HALF};
 use crate::answer::cell_row::TileCells;
 use crate::front_end::camera_view::Row;
 use crate::front_end::noise::SmoothingLevel;
-use crate::lanes::rows::tile_sad;
+use crate::lanes::windows::tile_sad;
 use crate::lanes::{limited_to_byte, quotient};
 use crate::matching::extremum::{FRAC_BITS, Method, Minimum, Settings, descend};
 

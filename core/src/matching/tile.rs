@@ -10,8 +10,8 @@
 
 use crate::Config;
 use crate::front_end::camera_view::Row;
-use crate::lanes::rows::tile_sads_around;
 use crate::lanes::trials::{Trial, Trials};
+use crate::lanes::windows::tile_sads_around;
 use crate::lanes::{choose, saturated_halves, splat_half, unseen};
 use crate::matching::settled::SettledTile;
 

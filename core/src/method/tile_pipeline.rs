@@ -371,6 +371,7 @@ impl<M: Matching, const BLOCKS: usize, C: StageClock> Tiled<M, BLOCKS, C> {
             right,
             worth: &self.worth,
             sure: floor.sure,
+            zero: floor.zero,
         };
         if M::ROWS == 1 {
             self.answer.answer::<4>(&self.config, &sources);

@@ -152,7 +152,7 @@ macro_rules! two_cells_thrice {
     };
 }
 
-/// [`tile_sads_around`](super::rows::tile_sads_around).
+/// [`tile_sads_around`](super::windows::tile_sads_around).
 ///
 /// # Safety
 /// The left view must be readable for two words, the right one for ten bytes in each of the four rows, `WORDS` words apart;

@@ -5,11 +5,11 @@ use crate::lanes::portable;
 #[cfg(haarline_sse2)]
 use crate::lanes::x86_64::rows::haar_peaks_of_pairs;
 
-const WORDS: usize = 23;
-type Row = [u32; WORDS];
+pub(in crate::lanes) const WORDS: usize = 23;
+pub(in crate::lanes) type Row = [u32; WORDS];
 
 /// Rows of noise, of extremes, and of both.
-fn rows() -> impl Iterator<Item = [Row; 5]> {
+pub(in crate::lanes) fn rows() -> impl Iterator<Item = [Row; 5]> {
     let mut seed = 1u32;
     (0..60).map(move |kind| {
         [0; 5].map(|_: u32| {
@@ -25,7 +25,7 @@ fn rows() -> impl Iterator<Item = [Row; 5]> {
     })
 }
 
-fn byte(row: &Row, at: usize) -> u8 {
+pub(in crate::lanes) fn byte(row: &Row, at: usize) -> u8 {
     (row[at / 4] >> (8 * (at % 4))) as u8
 }
 
@@ -98,33 +98,6 @@ fn means_are_those_of_words() {
     }
 }
 
-#[test]
-fn sums_of_differences_are_those_of_bytes() {
-    for [a, b, c, d, e] in rows() {
-        let (left, right) = ([a, b, c, d], [e, a, b, c]);
-        for (at, byte_at) in (0..=WORDS - 2).flat_map(|at| (0..=4 * WORDS - 8).map(move |byte| (at, byte))) {
-            let cell = |x: usize, y: usize| -> u32 {
-                let pixels = (y..y + 2).flat_map(|y| (x..x + 4).map(move |x| (x, y)));
-                let difference =
-                    |(x, y): (usize, usize)| byte(&left[y], 4 * at + x).abs_diff(byte(&right[y], byte_at + x));
-                pixels.map(|at| u32::from(difference(at))).sum()
-            };
-            let expected = [cell(0, 0), cell(4, 0), cell(0, 2), cell(4, 2)];
-            assert_eq!(tile_sad(&left, at, &right, byte_at), expected);
-            if byte_at + 10 <= 4 * WORDS {
-                let around = tile_sads_around(&left, at, &right, byte_at);
-                for (step, cells) in around.into_iter().enumerate() {
-                    let [a, b, c, d] = tile_sad(&left, at, &right, byte_at + step);
-                    assert_eq!(cells, [a | b << 16, c | d << 16]);
-                }
-            }
-            let sum = Window::of(&[a, b], 4 * at).sad(&[e, a], byte_at);
-            assert_eq!(sum, expected[0] + expected[1]);
-        }
-    }
-}
-
-/// Responses by portable operations.
 fn responses(rows: [&Row; 2], words: usize, falling: bool) -> [u32; WORDS] {
     // Beyond the margin it goes on like it.
     let at = |row: &Row, byte_at: usize| byte(row, byte_at.min(4 * words - 1));
