@@ -70,8 +70,9 @@ impl<const SECTORS: usize, const BLOCKS: usize> Obstacles<SECTORS, BLOCKS> {
 
     /// Begins a frame. The first row of one does the same.
     pub fn start(&mut self) {
-        self.blocks = [Block::NONE; BLOCKS];
-        (self.weighings, self.clearance) = ([Weighing::NONE; SECTORS], [Clearance::NONE; SECTORS]);
+        self.blocks.fill(Block::NONE);
+        self.weighings.fill(Weighing::NONE);
+        self.clearance.fill(Clearance::NONE);
     }
 
     /// Takes the next row of a frame. One whose width differs is taken as far as it goes.
