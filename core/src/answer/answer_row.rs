@@ -34,6 +34,7 @@ const LEAST_STEP: u8 = 4;
 /// The contour of a nearer surface lies within so many columns of where it seems to begin, and one for each px that it is
 /// nearer, as many as may be hidden, up to [`MOST_HIDDEN`].
 const CONTOUR_REACH: usize = 6;
+/// So many hidden columns are reckoned with at most.
 const MOST_HIDDEN: usize = 10;
 
 /// Confidence comes in steps of so much.

@@ -9,7 +9,7 @@ use super::x86_64::tile::tile_sads;
 use super::{demand, sad, sad_add};
 
 /// Sums of absolute differences of the four cells of a tile, 4 x 2 px each: left and right of the upper two rows, then of the
-/// lower two. `None` where the right window lies outside its rows.
+/// lower two.
 ///
 /// - `left`: first word of the tile; `right`: first byte of what it is compared with.
 #[inline(always)]
